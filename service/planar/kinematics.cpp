@@ -1,0 +1,56 @@
+#include "planar/kinematics.h"
+
+#include <cmath>
+
+namespace torqued
+{
+
+Kinematics kinematics(const Mechanism& mechanism, const VectorQ& q, const VectorQ& v, const Eigen::Vector2d& fixed_base)
+{
+  const int angles = mechanism.num_angles();
+  Kinematics now;
+  const VectorD phi = mechanism.W() * q.head(angles) + mechanism.offset();
+  now.rate = mechanism.W() * v.head(angles);
+  now.e.resize(2, phi.size());
+  for (int k = 0; k < phi.size(); ++k)
+    now.e.col(k) << std::cos(phi(k)), std::sin(phi(k));
+  now.base = mechanism.floating() ? Eigen::Vector2d(q.tail<2>()) : fixed_base;
+  return now;
+}
+
+Eigen::Vector2d from_base(const Kinematics& now, const Point& point)
+{
+  Eigen::Vector2d p = Eigen::Vector2d::Zero();
+  for (const Arm& arm : point)
+    p += rotate(now.e.col(arm.direction), arm.r);
+  return p;
+}
+
+Eigen::Vector2d position(const Kinematics& now, const Point& point)
+{
+  return now.base + from_base(now, point);
+}
+
+void point_jacobian(const Mechanism& mechanism, const Kinematics& now, const Point& point, int row, Jacobian& J)
+{
+  const int angles = mechanism.num_angles();
+  auto rows = J.middleRows<2>(row);
+  rows.setZero();
+  for (const Arm& arm : point)
+    rows.leftCols(angles) += perp(rotate(now.e.col(arm.direction), arm.r)) * mechanism.W().row(arm.direction);
+  if (mechanism.floating())
+    rows.rightCols<2>().setIdentity();
+}
+
+Eigen::Vector2d jacobian_rate_times_v(const Kinematics& now, const Point& point)
+{
+  Eigen::Vector2d acceleration = Eigen::Vector2d::Zero();
+  for (const Arm& arm : point)
+  {
+    const double rate = now.rate(arm.direction);
+    acceleration -= rate * rate * rotate(now.e.col(arm.direction), arm.r);
+  }
+  return acceleration;
+}
+
+} // namespace torqued
