@@ -1,0 +1,76 @@
+/// TOML read strictly: every key is asked for, every value is checked, and every complaint says file, line and key.
+#pragma once
+
+#include <Eigen/Core>
+#include <optional>
+#include <stdexcept>
+#include <string>
+#include <string_view>
+#include <toml++/toml.h>
+#include <vector>
+
+namespace torqued
+{
+
+/// A file, or a value in it, that cannot be used. what() is one line:
+/// "FILE:LINE: KEY: what was found; what would be right".
+class FileError : public std::runtime_error
+{
+public:
+  using std::runtime_error::runtime_error;
+};
+
+/// A file's text. Throws FileError if it cannot be read or is larger than any file we take (1 MB).
+std::string read_text_file(const std::string& path);
+
+/// Parses TOML. file: the name used in complaints. Throws FileError.
+toml::table parse_toml(std::string_view text, const std::string& file);
+
+/// One table of a TOML file that is being read. Ask for each key, then call finish(), which refuses all others.
+///
+/// Every function throws FileError if the value is missing (where no fallback is given), of the wrong type, or not in
+/// its range. Numbers must be finite. The table and the file name must outlive the reader.
+class StrictTable
+{
+public:
+  /// context: how complaints name this table, e.g. "link 'left_shin'"; empty for the file itself.
+  StrictTable(const toml::table& table, const std::string& file, std::string context = {});
+
+  double number(std::string_view key, std::optional<double> fallback = {});
+  /// A number that must not be negative.
+  double magnitude(std::string_view key, std::optional<double> fallback = {});
+  std::string text(std::string_view key, std::optional<std::string> fallback = {});
+  bool boolean(std::string_view key, std::optional<bool> fallback = {});
+  /// [x, z]
+  Eigen::Vector2d vector(std::string_view key, std::optional<Eigen::Vector2d> fallback = {});
+  /// Exactly two words.
+  std::array<std::string, 2> two_texts(std::string_view key, std::array<std::string, 2> fallback);
+  /// One of the words given; returns its index.
+  int choice(std::string_view key, const std::vector<std::string_view>& words, std::optional<int> fallback = {});
+
+  bool has(std::string_view key) const { return table_->contains(key); }
+  bool is_number(std::string_view key) const;
+  /// A table of its own, if it is there.
+  std::optional<StrictTable> table(std::string_view key);
+  /// [[key]], empty if it is not there. Its members are called `context` and their number from 1.
+  std::vector<StrictTable> tables(std::string_view key, std::string_view context);
+  void set_context(std::string context) { context_ = std::move(context); }
+  int line() const { return static_cast<int>(table_->source().begin.line); }
+  const std::string& file() const { return *file_; }
+
+  /// Complains about a value of this table.
+  [[noreturn]] void fail(std::string_view key, const std::string& message) const;
+  /// Refuses a table that holds a key that nobody asked for.
+  void finish() const;
+
+private:
+  const toml::node* find(std::string_view key);
+  [[noreturn]] void wrong_type(std::string_view key, const toml::node& found, std::string_view expected) const;
+
+  const toml::table* table_;
+  const std::string* file_;
+  std::string context_;
+  std::vector<std::string> asked_;
+};
+
+} // namespace torqued

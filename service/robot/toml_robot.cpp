@@ -1,0 +1,122 @@
+#include "robot/robot.h"
+#include "robot/strict_toml.h"
+
+#include <algorithm>
+#include <cmath>
+#include <fmt/format.h>
+
+namespace torqued
+{
+
+namespace
+{
+
+constexpr double kNone = INFINITY;
+
+// Names stand in CSV headers and in messages: letters, digits, _ and -, and not too long.
+std::string name(StrictTable& table, std::string_view key, std::optional<std::string> fallback = {})
+{
+  const std::string text = table.text(key, std::move(fallback));
+  const auto plain = [](char c)
+  {
+    return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_' || c == '-';
+  };
+  constexpr std::size_t longest = 32;
+  if (text.empty() || text.size() > longest || !std::all_of(text.begin(), text.end(), plain))
+    table.fail(key, fmt::format("found \"{}\"; expected 1 to {} letters, digits, _ or -", text, longest));
+  return text;
+}
+
+RobotDescription::LinkEntry read_link(StrictTable& table, std::array<std::string, 2>& base_names)
+{
+  RobotDescription::LinkEntry entry{{}, {}, {}, table.line()};
+  Link& link = entry.link;
+  link.name = name(table, "name");
+  table.set_context(fmt::format("link '{}'", link.name));
+
+  constexpr JointKind kinds[] = {JointKind::floating, JointKind::revolute, JointKind::fixed};
+  link.joint = kinds[table.choice("joint", {"floating", "revolute", "fixed"})];
+  if (link.joint == JointKind::floating)
+  {
+    base_names = table.two_texts("base", base_names);
+  }
+  else
+  {
+    entry.parent = name(table, "parent");
+    link.at = table.vector("at");
+  }
+  if (link.joint == JointKind::fixed)
+    link.angle = table.number("angle", 0.0);
+  else
+    entry.coordinate = name(table, "coordinate", link.name);
+
+  link.mass = table.magnitude("mass");
+  link.com = table.vector("com", Eigen::Vector2d(0.0, 0.0));
+  link.inertia = table.magnitude("inertia");
+  for (StrictTable& segment : table.tables("draw", fmt::format("link '{}': draw", link.name)))
+  {
+    link.drawing.push_back({segment.vector("from"), segment.vector("to"), segment.magnitude("width", 0.02)});
+    segment.finish();
+  }
+  table.finish();
+  return entry;
+}
+
+RobotDescription::ActuatorEntry read_actuator(StrictTable& table)
+{
+  RobotDescription::ActuatorEntry entry;
+  entry.line = table.line();
+  entry.name = name(table, "name");
+  table.set_context(fmt::format("actuator '{}'", entry.name));
+  entry.on = name(table, "on");
+  entry.against = name(table, "against");
+  entry.coordinate = name(table, "coordinate", entry.name);
+  entry.offset = table.number("offset", 0.0);
+  entry.torque_limit = table.magnitude("torque_limit", kNone);
+  entry.rate_limit = table.magnitude("rate_limit", kNone);
+  table.finish();
+  return entry;
+}
+
+RobotDescription::FootEntry read_foot(StrictTable& table)
+{
+  RobotDescription::FootEntry entry;
+  entry.line = table.line();
+  Foot& foot = entry.foot;
+  foot.side = static_cast<Side>(table.choice("side", {"left", "right"}));
+  table.set_context(fmt::format("{} foot", name_of(foot.side)));
+  entry.link = name(table, "link");
+  foot.ankle_at = table.vector("ankle", Eigen::Vector2d(0.0, 0.0));
+  const bool extent = table.has("heel") || table.has("toe");
+  foot.heel_at = extent ? table.vector("heel") : foot.ankle_at;
+  foot.toe_at = extent ? table.vector("toe") : foot.ankle_at;
+  foot.friction = table.magnitude("friction");
+  table.finish();
+  return entry;
+}
+
+} // namespace
+
+Robot read_toml_robot(std::string_view text, const std::string& file)
+{
+  const toml::table document = parse_toml(text, file);
+  StrictTable table(document, file);
+  RobotDescription description;
+  description.file = file;
+  description.name = name(table, "name");
+  description.source = table.text("source", "");
+  description.gravity = table.number("gravity", 9.81);
+  if (!(description.gravity > 0.0))
+    table.fail("gravity", fmt::format("found {}; expected a positive number", description.gravity));
+  description.base_names = {"x", "z"};
+  for (StrictTable& link : table.tables("link", "link"))
+    description.links.push_back(read_link(link, description.base_names));
+  for (StrictTable& actuator : table.tables("actuator", "actuator"))
+    description.actuators.push_back(read_actuator(actuator));
+  for (StrictTable& foot : table.tables("foot", "foot"))
+    description.feet.push_back(read_foot(foot));
+  table.finish();
+  return assemble(description);
+}
+
+} // namespace torqued
