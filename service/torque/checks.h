@@ -1,0 +1,50 @@
+/// What a user must know about an answer: centres of pressure, and whether feet and motors can do what it asks.
+#pragma once
+
+#include "torque/torque_method.h"
+
+#include <cstdint>
+
+namespace torqued
+{
+
+/// A foot, or the whole robot, is without load when |f_z| is below this share of the robot's weight.
+inline constexpr double kNoLoad = 1e-6;
+
+/// The bits of torque_command_t.flags.
+namespace flag
+{
+inline constexpr std::int32_t slips = 1;
+inline constexpr std::int32_t lifts = 2;
+inline constexpr std::int32_t tips = 4;
+inline constexpr std::int32_t over_torque = 8;
+inline constexpr std::int32_t clamped = 16;
+inline constexpr std::int32_t relaxed = 32;
+inline constexpr std::int32_t inconsistent = 64;
+inline constexpr std::int32_t late = 128;
+inline constexpr std::int32_t over_rate = 256;
+inline constexpr std::int32_t projected = 512;
+} // namespace flag
+
+/// What the ground does to a foot; ground on robot, world frame.
+struct GroundReaction
+{
+  Wrench wrench;         ///< N, N m about the ankle
+  double cop;            ///< m, along the sole from below the ankle, forward positive; 0 without load
+  double friction_ratio; ///< |fx| / fz; 0 without load
+};
+
+/// Centre of pressure and friction of a foot.
+///
+/// The centre of pressure is where the force's line of action meets the line of the sole; with (f_x', f_z') the force
+/// in the foot's frame, x_c = (M − h_p f_x') / f_z'.
+GroundReaction ground_reaction(const Robot& robot, const Foot& foot, const FootPose& pose, const Wrench& wrench);
+
+/// Whether a foot in contact slips, lifts or tips: flag bits. Slack: kNoLoad × weight on forces, 1e-6 of the sole's
+/// length on the centre of pressure, both for rounding.
+std::int32_t contact_flags(const Robot& robot, const Foot& foot, Contact contact, const GroundReaction& reaction);
+
+/// World x of the total zero-moment point on the ground z = 0, m; 0 without load.
+double zero_moment_point(const Robot& robot, const SupportEquations& equations);
+
+} // namespace torqued
