@@ -1,0 +1,384 @@
+#include "wire/codec.h"
+
+#include "wire/finite.h"
+
+#include <array>
+#include <bit>
+#include <optional>
+
+namespace torqued
+{
+
+namespace
+{
+
+// Walks over a message in network byte order without ever leaving it; once it would, ok() is false and stays so.
+class Cursor
+{
+public:
+  explicit Cursor(Bytes bytes) : bytes_(bytes) {}
+
+  void skip(std::size_t count)
+  {
+    ok_ = ok_ && count <= bytes_.size() - at_;
+    if (ok_)
+      at_ += count;
+  }
+  std::uint64_t unsigned_integer(std::size_t width)
+  {
+    const std::size_t start = at_;
+    skip(width);
+    std::uint64_t value = 0;
+    for (std::size_t i = 0; ok_ && i < width; ++i)
+      value = value << 8 | std::to_integer<std::uint64_t>(bytes_[start + i]);
+    return value;
+  }
+  std::int64_t int64() { return static_cast<std::int64_t>(unsigned_integer(8)); }
+  std::int32_t int32() { return static_cast<std::int32_t>(unsigned_integer(4)); }
+  int int8() { return static_cast<std::int8_t>(unsigned_integer(1)); }
+  double real() { return std::bit_cast<double>(unsigned_integer(8)); }
+  // a count of array members; more than any message of ours has is as wrong as a negative one
+  std::size_t count()
+  {
+    const std::int32_t value = int32();
+    constexpr std::int32_t most = 1 << 16;
+    ok_ = ok_ && value >= 0 && value <= most;
+    return ok_ ? static_cast<std::size_t>(value) : 0;
+  }
+  void skip_text()
+  {
+    const std::size_t start = at_;
+    const std::uint64_t length = unsigned_integer(4);
+    ok_ = ok_ && length >= 1 && length <= bytes_.size() - at_ && bytes_[at_ + length - 1] == std::byte{0};
+    skip(ok_ ? length : bytes_.size() - start + 1);
+  }
+  void skip_texts(std::size_t count)
+  {
+    for (std::size_t i = 0; ok_ && i < count; ++i)
+      skip_text();
+  }
+
+  bool ok() const { return ok_; }
+  bool at_end() const { return ok_ && at_ == bytes_.size(); }
+
+private:
+  Bytes bytes_;
+  std::size_t at_ = 0;
+  bool ok_ = true;
+};
+
+// desired_state_t up to and including num_coordinates: fingerprint, 3 int64, 6 int8, 2 + 6 double, 1 int32
+constexpr std::size_t kFixedSize = 8 + 3 * 8 + 6 + 8 * 8 + 4;
+
+template <typename Message> bool decode_checked(Bytes bytes, const Cursor& walked, Message& message)
+{
+  if (!walked.at_end())
+    return false;
+  Message decoded;
+  if (decoded.decode(bytes.data(), 0, static_cast<int>(bytes.size())) != static_cast<int>(bytes.size()))
+    return false;
+  message = std::move(decoded);
+  return true;
+}
+
+template <typename Message> Cursor after_fingerprint(Bytes bytes)
+{
+  Cursor cursor(bytes);
+  if (cursor.int64() != Message::getHash())
+    cursor.skip(bytes.size() + 1);
+  return cursor;
+}
+
+// a field that numbers its choices from 0
+std::optional<Refusal> check_choice(std::string_view field, int value, int last, std::string_view choices)
+{
+  if (value < 0 || value > last)
+    return Refusal(Reason::out_of_range, "{} is {}; expected {}", field, value, choices);
+  return {};
+}
+
+std::optional<Refusal> check_share(std::string_view field, double value)
+{
+  if (value < 0.0 || value > 1.0)
+    return Refusal(Reason::out_of_range, "{} is {:.17g}; expected 0 to 1", field, value);
+  return {};
+}
+
+} // namespace
+
+Sender read_sender(Bytes message)
+{
+  Cursor cursor(message);
+  if (cursor.int64() != desired_state_t::getHash())
+    return {};
+  const std::int64_t utime = cursor.int64();
+  const bool utime_read = cursor.ok();
+  const std::int64_t stream_id = cursor.int64();
+  return {utime_read ? utime : 0, cursor.ok() ? stream_id : 0};
+}
+
+Result<DesiredState> decode_desired_state(Bytes message, const Robot& robot)
+{
+  const int angles = robot.num_angles();
+  const std::size_t expected_size = kFixedSize + 3 * 8 * static_cast<std::size_t>(angles);
+
+  // fingerprint, count, size
+  Cursor cursor(message);
+  if (const std::int64_t fingerprint = cursor.int64(); !cursor.ok() || fingerprint != desired_state_t::getHash())
+    return Refusal(Reason::undecodable, "fingerprint is {:#018x}; expected {:#018x}, that of torqued.desired_state_t",
+                   static_cast<std::uint64_t>(fingerprint), static_cast<std::uint64_t>(desired_state_t::getHash()));
+  if (message.size() < kFixedSize)
+    return Refusal(Reason::undecodable, "size is {} bytes; expected {} for {} coordinates", message.size(),
+                   expected_size, angles);
+
+  DesiredState desired;
+  desired.utime = cursor.int64();
+  desired.stream_id = cursor.int64();
+  const std::int64_t model_id = cursor.int64();
+  const int coordinates = cursor.int8();
+  const int base = cursor.int8();
+  const int left_contact = cursor.int8();
+  const int right_contact = cursor.int8();
+  const int leading_foot = cursor.int8();
+  const int method = cursor.int8();
+  desired.support.load_transfer = cursor.real();
+  desired.support.phase = cursor.real();
+  std::array<double, 6> base_motion;
+  for (double& number : base_motion)
+    number = cursor.real();
+  const std::int32_t num_coordinates = cursor.int32();
+  if (num_coordinates != angles)
+    return Refusal(Reason::wrong_size, "num_coordinates is {}; expected {} for {}", num_coordinates, angles,
+                   robot.name);
+  if (message.size() != expected_size)
+    return Refusal(Reason::undecodable, "size is {} bytes; expected {} for {} coordinates", message.size(),
+                   expected_size, angles);
+  if (model_id != 0 && model_id != robot.model_id)
+    return Refusal(Reason::wrong_model, "model_id is {}; expected {}, that of {}, or 0", model_id, robot.model_id,
+                   robot.name);
+
+  // every number finite, whether it is used or not
+  const auto check_finite = [](std::string_view field, int index, double value) -> std::optional<Refusal>
+  {
+    if (is_finite(value))
+      return {};
+    if (index < 0)
+      return Refusal(Reason::not_finite, "{} is {}; expected a finite number", field, value);
+    return Refusal(Reason::not_finite, "{}[{}] is {}; expected a finite number", field, index, value);
+  };
+  if (auto refusal = check_finite("load_transfer", -1, desired.support.load_transfer))
+    return *refusal;
+  if (auto refusal = check_finite("phase", -1, desired.support.phase))
+    return *refusal;
+  constexpr std::string_view base_fields[] = {"base_q", "base_v", "base_a"};
+  for (int i = 0; i < 6; ++i)
+    if (auto refusal = check_finite(base_fields[i / 2], i % 2, base_motion[static_cast<std::size_t>(i)]))
+      return *refusal;
+  constexpr std::string_view fields[] = {"q", "v", "a"};
+  const std::array<VectorQ*, 3> motion{&desired.q, &desired.v, &desired.a};
+  for (int k = 0; k < 3; ++k)
+  {
+    motion[static_cast<std::size_t>(k)]->resize(robot.mechanism.num_coordinates());
+    for (int i = 0; i < angles; ++i)
+    {
+      const double number = cursor.real();
+      if (auto refusal = check_finite(fields[k], i, number))
+        return *refusal;
+      (*motion[static_cast<std::size_t>(k)])(i) = number;
+    }
+  }
+
+  // every field in its range
+  if (auto refusal = check_choice("coordinates", coordinates, 1, "ABSOLUTE (0) or RELATIVE (1)"))
+    return *refusal;
+  if (auto refusal = check_choice("base", base, 1, "FROM_CONTACT (0) or GIVEN (1)"))
+    return *refusal;
+  constexpr std::string_view contacts = "NONE (0), HEEL (1), SOLE (2) or TOE (3)";
+  if (auto refusal = check_choice("left_contact", left_contact, 3, contacts))
+    return *refusal;
+  if (auto refusal = check_choice("right_contact", right_contact, 3, contacts))
+    return *refusal;
+  if (auto refusal = check_choice("leading_foot", leading_foot, 1, "LEFT (0) or RIGHT (1)"))
+    return *refusal;
+  if (auto refusal = check_share("load_transfer", desired.support.load_transfer))
+    return *refusal;
+  if (auto refusal = check_share("phase", desired.support.phase))
+    return *refusal;
+  desired.method = static_cast<Method>(method);
+  if (method != 0 && name_of(desired.method) == name_of(Method::none))
+    return Refusal(Reason::unknown_method, "method is {}; expected {}", method, kMethodChoices);
+
+  desired.base_given = base == desired_state_t::GIVEN;
+  desired.support.contact = {static_cast<Contact>(left_contact), static_cast<Contact>(right_contact)};
+  desired.support.leading = static_cast<Side>(leading_foot);
+  if (coordinates == desired_state_t::RELATIVE)
+  {
+    desired.q.head(angles) -= robot.b;
+    for (VectorQ* vector : motion)
+      vector->head(angles) = (robot.A_inverse * vector->head(angles)).eval();
+  }
+  for (int k = 0; k < 3; ++k)
+    motion[static_cast<std::size_t>(k)]->tail<2>() << base_motion[static_cast<std::size_t>(2 * k)],
+        base_motion[static_cast<std::size_t>(2 * k + 1)];
+  return desired;
+}
+
+void fill(torque_command_t& command, const Answer& answer, std::int64_t model_id, std::int64_t settings_id)
+{
+  command.utime = answer.utime;
+  command.stream_id = answer.stream_id;
+  command.model_id = model_id;
+  command.settings_id = settings_id;
+  command.method = static_cast<std::int8_t>(answer.method);
+  command.flags = answer.flags;
+  const auto ground = [](const GroundReaction& from, ground_reaction_t& to)
+  {
+    to.fx = from.wrench.fx;
+    to.fz = from.wrench.fz;
+    to.moment = from.wrench.moment;
+    to.cop = from.cop;
+    to.friction_ratio = from.friction_ratio;
+  };
+  ground(answer.ground[0], command.left);
+  ground(answer.ground[1], command.right);
+  command.zmp = answer.zmp;
+  command.dynamics_residual = answer.dynamics_residual;
+  command.contact_speed = answer.contact_speed;
+  command.contact_residual = answer.contact_residual;
+  command.num_joints = static_cast<std::int32_t>(answer.torque.size());
+  command.torque.assign(answer.torque.begin(), answer.torque.end());
+}
+
+void fill(rejection_t& rejection, const Sender& sender, const Refusal& refusal)
+{
+  rejection.utime = sender.utime;
+  rejection.stream_id = sender.stream_id;
+  rejection.reason = static_cast<std::int32_t>(refusal.reason());
+  rejection.detail = refusal.detail();
+}
+
+model_info_t model_info(const Robot& robot, std::int64_t instance_id, std::int64_t settings_id,
+                        const std::string& settings)
+{
+  const auto pair = [](const Eigen::Vector2d& r)
+  {
+    return std::vector<double>{r.x(), r.y()};
+  };
+  model_info_t info;
+  info.instance_id = instance_id;
+  info.model_id = robot.model_id;
+  info.settings_id = settings_id;
+  info.name = robot.name;
+  info.gravity = robot.mechanism.gravity();
+  info.total_mass = robot.mechanism.mass();
+
+  info.num_coordinates = robot.num_angles();
+  info.absolute_names = robot.absolute_names;
+  info.relative_names = robot.relative_names;
+  info.base_names[0] = robot.base_names[0];
+  info.base_names[1] = robot.base_names[1];
+  for (int i = 0; i < robot.num_angles(); ++i)
+  {
+    info.A.emplace_back();
+    for (int j = 0; j < robot.num_angles(); ++j)
+      info.A.back().push_back(robot.A(i, j));
+    info.b.push_back(robot.b(i));
+  }
+
+  info.num_joints = robot.num_joints();
+  for (const Actuator& actuator : robot.actuators)
+  {
+    info.joint_names.push_back(actuator.name);
+    info.torque_limits.push_back(actuator.torque_limit);
+    info.rate_limits.push_back(actuator.rate_limit);
+  }
+
+  info.num_links = static_cast<std::int32_t>(robot.links.size());
+  for (const Link& link : robot.links)
+  {
+    info.link_names.push_back(link.name);
+    info.parents.push_back(link.parent);
+    info.joint_kinds.push_back(static_cast<std::int8_t>(link.joint));
+    info.joint_positions.push_back(pair(link.at));
+    info.joint_angles.push_back(link.angle);
+    info.parent_radii.push_back(0.0);
+    info.child_radii.push_back(0.0);
+    info.link_coordinates.push_back(link.coordinate);
+    for (const Segment& segment : link.drawing)
+    {
+      info.segment_links.push_back(static_cast<std::int32_t>(&link - robot.links.data()));
+      info.segment_from.push_back(pair(segment.from));
+      info.segment_to.push_back(pair(segment.to));
+      info.segment_widths.push_back(segment.width);
+    }
+  }
+  info.num_segments = static_cast<std::int32_t>(info.segment_links.size());
+
+  info.num_feet = static_cast<std::int32_t>(robot.feet.size());
+  for (const Foot& foot : robot.feet)
+  {
+    info.foot_sides.push_back(static_cast<std::int8_t>(foot.side));
+    info.foot_links.push_back(foot.link);
+    info.foot_ankles.push_back(pair(foot.ankle_at));
+    info.foot_heels.push_back(pair(foot.heel_at));
+    info.foot_toes.push_back(pair(foot.toe_at));
+    info.foot_friction.push_back(foot.friction);
+  }
+  info.settings = settings;
+  return info;
+}
+
+bool decode(Bytes bytes, desired_state_t& message)
+{
+  Cursor cursor = after_fingerprint<desired_state_t>(bytes);
+  cursor.skip(kFixedSize - 8 - 4);
+  cursor.skip(3 * 8 * cursor.count());
+  return decode_checked(bytes, cursor, message);
+}
+
+bool decode(Bytes bytes, torque_command_t& message)
+{
+  Cursor cursor = after_fingerprint<torque_command_t>(bytes);
+  cursor.skip(5 * 8 + 1 + 4 + 2 * 5 * 8 + 4 * 8 + 4);
+  cursor.skip(8 * cursor.count());
+  return decode_checked(bytes, cursor, message);
+}
+
+bool decode(Bytes bytes, rejection_t& message)
+{
+  Cursor cursor = after_fingerprint<rejection_t>(bytes);
+  cursor.skip(8 + 8 + 4);
+  cursor.skip_text();
+  return decode_checked(bytes, cursor, message);
+}
+
+bool decode(Bytes bytes, status_t& message)
+{
+  Cursor cursor = after_fingerprint<status_t>(bytes);
+  cursor.skip(5 * 8 + 1 + 7 * 8 + 4 + 8 + 5 * 8);
+  cursor.skip_text();
+  return decode_checked(bytes, cursor, message);
+}
+
+bool decode(Bytes bytes, model_info_t& message)
+{
+  Cursor cursor = after_fingerprint<model_info_t>(bytes);
+  cursor.skip(3 * 8);
+  cursor.skip_text();
+  cursor.skip(2 * 8);
+  const std::size_t coordinates = cursor.count();
+  cursor.skip_texts(2 * coordinates + 2);
+  cursor.skip(8 * coordinates * (coordinates + 1));
+  const std::size_t joints = cursor.count();
+  cursor.skip_texts(joints);
+  cursor.skip(2 * 8 * joints);
+  const std::size_t links = cursor.count();
+  cursor.skip_texts(links);
+  cursor.skip((4 + 1 + 5 * 8 + 4) * links);
+  cursor.skip((4 + 5 * 8) * cursor.count());
+  cursor.skip((1 + 4 + 7 * 8) * cursor.count());
+  cursor.skip_text();
+  return decode_checked(bytes, cursor, message);
+}
+
+} // namespace torqued
