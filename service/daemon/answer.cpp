@@ -1,0 +1,161 @@
+#include "daemon/answer.h"
+
+#include "robot/fnv.h"
+#include "wire/finite.h"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+#if defined(__SSE2__)
+#include <immintrin.h>
+#endif
+
+namespace torqued
+{
+
+namespace
+{
+
+std::optional<Refusal> check_consistency(const AnswerSettings& settings, const SupportEquations& equations,
+                                         std::int32_t& flags)
+{
+  if (equations.contact_speed <= settings.contact_speed_tolerance &&
+      equations.contact_residual <= settings.contact_tolerance && equations.sole_tilt <= settings.sole_tilt_tolerance)
+    return {};
+  flags |= flag::inconsistent;
+  if (settings.consistency == OnExcess::flag)
+    return {};
+  return Refusal(
+      Reason::inconsistent,
+      "the motion gives its contacts a speed of {:.3g} (up to {:.3g} m/s, rad/s), an acceleration of {:.3g} (up to "
+      "{:.3g} m/s^2, rad/s^2) and tilts a sole by {:.3g} (up to {:.3g} rad)",
+      equations.contact_speed, settings.contact_speed_tolerance, equations.contact_residual, settings.contact_tolerance,
+      equations.sole_tilt, settings.sole_tilt_tolerance);
+}
+
+// the last operation before the answer is checked: no torque is changed after this
+std::optional<Refusal> apply_limits(const Robot& robot, const AnswerSettings& settings, const DesiredState& desired,
+                                    const StreamMemory& memory, VectorJ& torque, std::int32_t& flags)
+{
+  constexpr double rounding = 1.0 + 1e-9;
+  const bool follows = memory.answered && memory.stream_id == desired.stream_id && memory.utime < desired.utime;
+  const double dt = follows ? 1e-6 * (static_cast<double>(desired.utime) - static_cast<double>(memory.utime)) : 0.0;
+  for (int j = 0; j < robot.num_joints(); ++j)
+  {
+    const Actuator& actuator = robot.actuators[static_cast<std::size_t>(j)];
+    if (std::abs(torque(j)) > actuator.torque_limit * rounding)
+    {
+      flags |= flag::over_torque;
+      if (settings.limits == OnExcess::refuse)
+        return Refusal(Reason::over_limit, "{} would need {:.4g} N m; its torque limit is {:.4g} N m", actuator.name,
+                       torque(j), actuator.torque_limit);
+      if (settings.limits == OnExcess::clamp)
+      {
+        flags |= flag::clamped;
+        torque(j) = std::clamp(torque(j), -actuator.torque_limit, actuator.torque_limit);
+      }
+    }
+
+    const double step = actuator.rate_limit * dt;
+    if (follows && std::abs(torque(j) - memory.torque(j)) > step * rounding)
+    {
+      flags |= flag::over_rate;
+      if (settings.rate_limits == OnExcess::refuse)
+        return Refusal(Reason::over_limit, "{} would change by {:.4g} N m in {:.4g} s; its rate limit is {:.4g} N m/s",
+                       actuator.name, torque(j) - memory.torque(j), dt, actuator.rate_limit);
+      if (settings.rate_limits == OnExcess::clamp)
+      {
+        flags |= flag::clamped;
+        torque(j) = std::clamp(torque(j), memory.torque(j) - step, memory.torque(j) + step);
+      }
+    }
+  }
+  return {};
+}
+
+bool all_finite(const Answer& answer)
+{
+  bool finite = is_finite(answer.zmp) && is_finite(answer.dynamics_residual) && is_finite(answer.contact_speed) &&
+                is_finite(answer.contact_residual);
+  for (const GroundReaction& foot : answer.ground)
+    finite = finite && is_finite(foot.wrench.fx) && is_finite(foot.wrench.fz) && is_finite(foot.wrench.moment) &&
+             is_finite(foot.cop) && is_finite(foot.friction_ratio);
+  return finite && std::all_of(answer.torque.begin(), answer.torque.end(), is_finite);
+}
+
+} // namespace
+
+std::int64_t settings_id(const AnswerSettings& settings)
+{
+  Fnv1a hash;
+  hash.add(static_cast<int>(settings.methods.method));
+  hash.add(settings.methods.linear_transition.leading_cop.value_or(-1.0));
+  hash.add(static_cast<int>(settings.consistency));
+  hash.add(settings.contact_speed_tolerance);
+  hash.add(settings.contact_tolerance);
+  hash.add(settings.sole_tilt_tolerance);
+  hash.add(settings.residual_tolerance);
+  hash.add(static_cast<int>(settings.limits));
+  hash.add(static_cast<int>(settings.rate_limits));
+  return hash.id();
+}
+
+Result<Answer> answer(const Robot& robot, const AnswerSettings& settings, const DesiredState& desired,
+                      StreamMemory& memory)
+{
+  const Result<SupportEquations> built = support_equations(robot, desired);
+  if (const Refusal* refusal = std::get_if<Refusal>(&built))
+    return *refusal;
+  const SupportEquations& equations = std::get<SupportEquations>(built);
+
+  std::int32_t flags = 0;
+  if (const auto refusal = check_consistency(settings, equations, flags))
+    return *refusal;
+
+  const Result<TorqueSolution> solved =
+      solve_torques(robot, equations, desired.support, desired.method, settings.methods, settings.residual_tolerance);
+  if (const Refusal* refusal = std::get_if<Refusal>(&solved))
+    return *refusal;
+  const TorqueSolution& solution = std::get<TorqueSolution>(solved);
+
+  Answer answer;
+  answer.utime = desired.utime;
+  answer.stream_id = desired.stream_id;
+  answer.method = solution.method;
+  for (std::size_t side = 0; side < 2; ++side)
+  {
+    answer.ground[side] = ground_reaction(robot, robot.feet[side], equations.feet[side], solution.ground[side]);
+    flags |= contact_flags(robot, robot.feet[side], desired.support.contact[side], answer.ground[side]);
+  }
+  answer.zmp = zero_moment_point(robot, equations);
+  answer.dynamics_residual = solution.residual;
+  answer.contact_speed = equations.contact_speed;
+  answer.contact_residual = equations.contact_residual;
+  answer.torque = solution.torque;
+  if (const auto refusal = apply_limits(robot, settings, desired, memory, answer.torque, flags))
+    return *refusal;
+  answer.flags = flags;
+  if (!all_finite(answer))
+    return Refusal(Reason::numerical, "a result is not finite; the motion's numbers are too large");
+
+  memory.answered = true;
+  memory.stream_id = desired.stream_id;
+  memory.utime = desired.utime;
+  memory.torque = answer.torque;
+  return answer;
+}
+
+void flush_denormals()
+{
+#if defined(__SSE2__)
+  _MM_SET_FLUSH_ZERO_MODE(_MM_FLUSH_ZERO_ON);
+  _mm_setcsr(_mm_getcsr() | 0x0040); // denormals are zero
+#elif defined(__aarch64__)
+  std::uint64_t fpcr;
+  __asm__ volatile("mrs %0, fpcr" : "=r"(fpcr));
+  __asm__ volatile("msr fpcr, %0" : : "r"(fpcr | (std::uint64_t{1} << 24)));
+#endif
+}
+
+} // namespace torqued

@@ -1,0 +1,55 @@
+/// The line of the whole service: from a desired state to what is published for it.
+#pragma once
+
+#include "wire/codec.h"
+
+#include <cstdint>
+
+namespace torqued
+{
+
+/// What happens when a limit or a tolerance is passed.
+enum class OnExcess
+{
+  flag,   ///< the answer says so
+  refuse, ///< the desired state is refused
+  clamp   ///< limits only: the torque is cut to the limit, and the answer says so
+};
+
+/// The settings that change answers.
+struct AnswerSettings
+{
+  MethodSettings methods;
+  OnExcess consistency = OnExcess::flag; ///< flag or refuse
+  double contact_speed_tolerance = 0.01; ///< m/s, rad/s
+  double contact_tolerance = 0.1;        ///< m/s², rad/s²
+  double sole_tilt_tolerance = 0.02;     ///< rad
+  double residual_tolerance = 1e-3;      ///< share of the weight, or of weight × leg length; see solve_torques
+  OnExcess limits = OnExcess::flag;      ///< torque limits
+  OnExcess rate_limits = OnExcess::flag; ///< torque-rate limits
+};
+
+/// FNV-1a of the settings; never 0.
+std::int64_t settings_id(const AnswerSettings& settings);
+
+/// What a stream's next answer may depend on besides its own desired state: the torque it follows.
+struct StreamMemory
+{
+  bool answered = false;
+  std::int64_t stream_id = 0, utime = 0;
+  VectorJ torque;
+};
+
+/// Answers a desired state: equations, method, checks, limits.
+///
+/// No clock, no log, no transport, no allocation: the same robot, settings, memory and desired state give the same
+/// bits (on a thread that has called flush_denormals()). Updates the memory when it answers.
+/// Refuses: not_supported, inconsistent, under_actuated, numerical, over_limit.
+Result<Answer> answer(const Robot& robot, const AnswerSettings& settings, const DesiredState& desired,
+                      StreamMemory& memory);
+
+/// Makes the calling thread treat denormal numbers as zero, because they cost up to 70 times a normal one's time. To be
+/// called before answer() by whatever calls it, so that all get the same bits.
+void flush_denormals();
+
+} // namespace torqued

@@ -1,0 +1,180 @@
+#include "daemon/config.h"
+
+#include "robot/strict_toml.h"
+
+#include <algorithm>
+#include <array>
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <sstream>
+#include <stdexcept>
+
+namespace torqued
+{
+
+namespace
+{
+
+constexpr std::array<std::string_view, 7> kLogLevels{"trace", "debug", "info", "warn", "error", "critical", "off"};
+
+std::string_view word(OnExcess what)
+{
+  return what == OnExcess::flag ? "flag" : what == OnExcess::refuse ? "refuse" : "clamp";
+}
+
+// as a TOML text, in whatever quotes it needs
+std::string quoted(std::string_view text)
+{
+  std::ostringstream toml;
+  toml << toml::value<std::string>(text);
+  return toml.str();
+}
+
+OnExcess read_on_excess(StrictTable& table, std::string_view key, OnExcess fallback, bool may_clamp)
+{
+  std::vector<std::string_view> words{"flag", "refuse"};
+  if (may_clamp)
+    words.push_back("clamp");
+  return static_cast<OnExcess>(table.choice(key, words, static_cast<int>(fallback)));
+}
+
+double read_positive(StrictTable& table, std::string_view key, double fallback)
+{
+  const double value = table.number(key, fallback);
+  if (!(value > 0.0))
+    table.fail(key, fmt::format("found {}; expected a positive number", value));
+  return value;
+}
+
+// a setting that flags can set too: the same check, with the file's line in front
+template <typename Set> void read_word(StrictTable& table, std::string_view key, Config& config, Set set)
+{
+  if (!table.has(key))
+    return;
+  const std::string value = table.text(key);
+  try
+  {
+    set(config, value);
+  }
+  catch (const std::invalid_argument& error)
+  {
+    table.fail(key, error.what());
+  }
+}
+
+} // namespace
+
+void set_method(Config& config, const std::string& name)
+{
+  std::vector<std::string_view> names;
+  for (const NamedMethod& known : kMethods)
+  {
+    names.push_back(known.name);
+    if (known.name == name)
+    {
+      config.answers.methods.method = known.method;
+      return;
+    }
+  }
+  throw std::invalid_argument(fmt::format("found \"{}\"; expected one of: {}", name, fmt::join(names, ", ")));
+}
+
+void set_prefix(Config& config, const std::string& prefix)
+{
+  // LCM reads channel names as regular expressions; these characters stand for themselves
+  const auto plain = [](char c)
+  {
+    return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_' || c == '-' ||
+           c == '/';
+  };
+  constexpr std::size_t longest = 32;
+  if (prefix.size() > longest || !std::all_of(prefix.begin(), prefix.end(), plain))
+    throw std::invalid_argument(
+        fmt::format("found \"{}\"; expected at most {} letters, digits, _, - or /", prefix, longest));
+  config.prefix = prefix;
+}
+
+void set_log_level(Config& config, const std::string& level)
+{
+  if (std::find(kLogLevels.begin(), kLogLevels.end(), level) == kLogLevels.end())
+    throw std::invalid_argument(fmt::format("found \"{}\"; expected one of: {}", level, fmt::join(kLogLevels, ", ")));
+  config.log_level = level;
+}
+
+Config read_config(const std::string& path)
+{
+  const std::string text = read_text_file(path);
+  const toml::table document = parse_toml(text, path);
+  StrictTable table(document, path);
+  Config config;
+  config.robot = table.text("robot", config.robot);
+  config.lcm_url = table.text("lcm_url", config.lcm_url);
+  read_word(table, "prefix", config, set_prefix);
+  config.every_sample = table.boolean("every_sample", config.every_sample);
+  config.max_age = read_positive(table, "max_age", config.max_age);
+  config.deadline = read_positive(table, "deadline", config.deadline);
+  read_word(table, "log_level", config, set_log_level);
+
+  AnswerSettings& answers = config.answers;
+  read_word(table, "method", config, set_method);
+  answers.consistency = read_on_excess(table, "consistency", answers.consistency, false);
+  answers.contact_speed_tolerance = table.magnitude("contact_speed_tolerance", answers.contact_speed_tolerance);
+  answers.contact_tolerance = table.magnitude("contact_tolerance", answers.contact_tolerance);
+  answers.sole_tilt_tolerance = table.magnitude("sole_tilt_tolerance", answers.sole_tilt_tolerance);
+  answers.residual_tolerance = table.magnitude("residual_tolerance", answers.residual_tolerance);
+  answers.limits = read_on_excess(table, "limits", answers.limits, true);
+  answers.rate_limits = read_on_excess(table, "rate_limits", answers.rate_limits, true);
+
+  if (auto linear = table.table("linear_transition"))
+  {
+    auto& leading_cop = answers.methods.linear_transition.leading_cop;
+    if (linear->is_number("cop"))
+    {
+      leading_cop = linear->number("cop");
+      if (*leading_cop < 0.0 || *leading_cop > 1.0)
+        linear->fail("cop", fmt::format("found {}; expected \"zmp\", or 0 (heel) to 1 (toe)", *leading_cop));
+    }
+    else if (linear->text("cop", "zmp") != "zmp")
+    {
+      linear->fail("cop", "expected \"zmp\", or 0 (heel) to 1 (toe)");
+    }
+    linear->finish();
+  }
+  table.finish();
+  return config;
+}
+
+std::string to_toml(const Config& config)
+{
+  const AnswerSettings& answers = config.answers;
+  const auto cop = answers.methods.linear_transition.leading_cop;
+  return fmt::format(R"(# configuration of torqued
+
+robot = {}
+lcm_url = {}  # '': LCM_DEFAULT_URL, or LCM's own default
+prefix = {}  # stands before each channel's name
+log_level = {}
+every_sample = {}  # answer all samples in order instead of the newest
+max_age = {}  # s
+deadline = {}  # s, arrival to publish
+
+method = {}
+consistency = {}  # a motion that contradicts its contacts: flag or refuse
+contact_speed_tolerance = {}  # m/s, rad/s
+contact_tolerance = {}  # m/s^2, rad/s^2
+sole_tilt_tolerance = {}  # rad
+residual_tolerance = {}  # under-actuated motion: share of the weight, or of weight x leg length
+limits = {}  # torque limits: flag, refuse or clamp
+rate_limits = {}  # torque-rate limits: flag, refuse or clamp
+
+[linear_transition]
+cop = {}  # both feet on their soles: 'zmp', or the leading foot's pressure point from 0 (heel) to 1 (toe)
+)",
+                     quoted(config.robot), quoted(config.lcm_url), quoted(config.prefix), quoted(config.log_level),
+                     config.every_sample, config.max_age, config.deadline, quoted(name_of(answers.methods.method)),
+                     quoted(word(answers.consistency)), answers.contact_speed_tolerance, answers.contact_tolerance,
+                     answers.sole_tilt_tolerance, answers.residual_tolerance, quoted(word(answers.limits)),
+                     quoted(word(answers.rate_limits)), cop ? fmt::format("{}", *cop) : quoted("zmp"));
+}
+
+} // namespace torqued

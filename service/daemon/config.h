@@ -1,0 +1,36 @@
+/// The daemon's configuration: a TOML file, flags over it, one checked struct.
+#pragma once
+
+#include "daemon/answer.h"
+
+#include <string>
+
+namespace torqued
+{
+
+/// Everything that can be set. Keys of the file carry the members' names, those of `answers` too, except for the
+/// methods: `method` names the default one, and a table named after a method, [linear_transition], sets it.
+struct Config
+{
+  std::string robot = "ck";  ///< a robot that ships, or a file's path
+  std::string lcm_url;       ///< empty: LCM's own default, which heeds LCM_DEFAULT_URL
+  std::string prefix;        ///< stands before each channel's name
+  bool every_sample = false; ///< answer all samples in order instead of the newest
+  double max_age = 0.020;    ///< s
+  double deadline = 0.001;   ///< s, arrival to publish
+  std::string log_level = "info";
+  AnswerSettings answers;
+};
+
+/// Reads a configuration file. Unknown keys, wrong types and values out of range are refused. Throws FileError.
+Config read_config(const std::string& path);
+
+/// Sets the default method by name, or the prefix. Throws std::invalid_argument with what would be right.
+void set_method(Config& config, const std::string& name);
+void set_prefix(Config& config, const std::string& prefix);
+void set_log_level(Config& config, const std::string& level);
+
+/// The whole configuration as TOML; read_config() of it gives it back.
+std::string to_toml(const Config& config);
+
+} // namespace torqued

@@ -1,0 +1,270 @@
+#include "daemon/lcm_loop.h"
+
+#include <algorithm>
+#include <cmath>
+#include <poll.h>
+#include <random>
+#include <spdlog/logger.h>
+#include <time.h>
+
+#ifndef TORQUED_VERSION
+#error "TORQUED_VERSION comes from the build"
+#endif
+
+namespace torqued
+{
+
+namespace
+{
+
+constexpr std::int64_t kStatusPeriod = 100'000;  // µs
+constexpr std::int64_t kModelPeriod = 2'000'000; // µs
+constexpr std::int64_t kBusProof = 1'000'000;    // µs
+constexpr int kMostPerCycle = 1000;              // messages, so that a flood cannot keep the newest from its answer
+constexpr int kQueue = 10'000;                   // messages that LCM keeps for us; a full queue would drop the newest
+
+std::int64_t nanoseconds(clockid_t clock)
+{
+  timespec now;
+  clock_gettime(clock, &now);
+  return std::int64_t{1'000'000'000} * now.tv_sec + now.tv_nsec;
+}
+
+std::int64_t monotonic_us()
+{
+  return nanoseconds(CLOCK_MONOTONIC) / 1000;
+}
+
+std::int64_t random_id()
+{
+  std::random_device device;
+  return std::uniform_int_distribution<std::int64_t>(1)(device);
+}
+
+Bytes bytes_of(const lcm::ReceiveBuffer& buffer)
+{
+  return {static_cast<const std::byte*>(buffer.data), buffer.data_size};
+}
+
+} // namespace
+
+LcmLoop::LcmLoop(lcm::LCM& bus, const Robot& robot, const Config& config, spdlog::logger& log,
+                 std::function<std::int64_t()> dropped_logs)
+    : bus_(bus), robot_(robot), config_(config), log_(log), dropped_logs_(std::move(dropped_logs)),
+      channels_(config.prefix), gate_(config.max_age), command_(), rejection_(), status_(), start_(monotonic_us()),
+      last_awake_(start_)
+{
+  const std::int64_t id = settings_id(config_.answers);
+  status_.instance_id = random_id();
+  status_.model_id = robot_.model_id;
+  status_.settings_id = id;
+  status_.version = TORQUED_VERSION;
+  model_ = model_info(robot_, status_.instance_id, id, to_toml(config_));
+  command_.torque.reserve(kMaxJoints);
+  rejection_.detail.reserve(256);
+  buffer_.reserve(4096);
+
+  // LCM takes channel names for regular expressions; ours hold nothing that would not stand for itself (set_prefix)
+  subscriptions_.push_back(bus_.subscribe(channels_.desired, &LcmLoop::on_desired, this));
+  subscriptions_.push_back(bus_.subscribe(channels_.status, &LcmLoop::on_status, this));
+  subscriptions_[0]->setQueueCapacity(kQueue);
+}
+
+LcmLoop::~LcmLoop()
+{
+  for (lcm::Subscription* subscription : subscriptions_)
+    bus_.unsubscribe(subscription);
+}
+
+bool LcmLoop::prove_bus()
+{
+  const std::int64_t until = monotonic_us() + kBusProof;
+  publish_status(status_t::WAITING);
+  while (!heard_own_status_ && monotonic_us() < until)
+    bus_.handleTimeout(10);
+  return heard_own_status_;
+}
+
+void LcmLoop::run(int stop_fd)
+{
+  while (!cycle(1.0, stop_fd))
+  {
+  }
+  if (pending_)
+  {
+    ++status_.superseded;
+    ++status_.received;
+    pending_.reset();
+  }
+  publish_status(status_t::STOPPING);
+}
+
+bool LcmLoop::cycle(double timeout, int stop_fd)
+{
+  // wake up at least every max_age, so that an own stall is told from a silent sender
+  const std::int64_t before = monotonic_us();
+  notice_own_stall(last_awake_, before);
+  const double wait = std::min(
+      {timeout, config_.max_age, 1e-6 * static_cast<double>(std::max<std::int64_t>(next_status_ - before, 0))});
+  const int wait_ms = static_cast<int>(std::ceil(1e3 * wait));
+  std::array<pollfd, 2> fds{{{bus_.getFileno(), POLLIN, 0}, {stop_fd, POLLIN, 0}}};
+  poll(fds.data(), fds.size(), wait_ms);
+  const std::int64_t after = monotonic_us();
+  notice_own_stall(before + 1000 * wait_ms, after);
+
+  for (int i = 0; i < kMostPerCycle && bus_.handleTimeout(0) > 0; ++i)
+  {
+  }
+  answer_pending();
+  publish_status_and_model_when_due();
+  last_awake_ = monotonic_us();
+  return (fds[1].revents & POLLIN) != 0;
+}
+
+void LcmLoop::notice_own_stall(std::int64_t expected_by, std::int64_t now)
+{
+  if (static_cast<double>(now - expected_by) > 1e6 * config_.max_age)
+    gate_.pause(now - expected_by);
+}
+
+void LcmLoop::on_desired(const lcm::ReceiveBuffer* buffer, const std::string& channel)
+try
+{
+  if (channel != channels_.desired)
+    return;
+  const std::int64_t arrival = monotonic_us();
+  last_arrival_ = arrival;
+  const Result<DesiredState> decoded = decode_desired_state(bytes_of(*buffer), robot_);
+  if (const Refusal* refusal = std::get_if<Refusal>(&decoded))
+    return reject(read_sender(bytes_of(*buffer)), *refusal);
+  const DesiredState& desired = std::get<DesiredState>(decoded);
+  const Sender sender{desired.utime, desired.stream_id};
+  if (const auto refusal = gate_.arrive(sender, arrival))
+    return reject(sender, *refusal);
+
+  if (config_.every_sample)
+    return answer_sample(desired, arrival);
+  if (pending_)
+  {
+    ++status_.superseded;
+    ++status_.received;
+  }
+  pending_ = desired;
+  pending_arrival_ = arrival;
+}
+catch (const std::exception& error)
+{
+  // nothing may leave a handler: LCM would abort the process at its next call
+  log_.critical("a desired state was lost: {}", error.what());
+}
+
+void LcmLoop::answer_pending()
+{
+  if (!pending_)
+    return;
+  const DesiredState desired = *pending_;
+  pending_.reset();
+  answer_sample(desired, pending_arrival_);
+}
+
+void LcmLoop::answer_sample(const DesiredState& desired, std::int64_t arrival)
+{
+  const Sender sender{desired.utime, desired.stream_id};
+  if (const auto refusal = gate_.accept(desired.utime, monotonic_us(), !config_.every_sample))
+    return reject(sender, *refusal);
+
+  const std::int64_t begin = nanoseconds(CLOCK_MONOTONIC);
+  const Result<Answer> answered = answer(robot_, config_.answers, desired, memory_);
+  const std::int64_t end = nanoseconds(CLOCK_MONOTONIC);
+  if (const Refusal* refusal = std::get_if<Refusal>(&answered))
+    return reject(sender, *refusal);
+
+  fill(command_, std::get<Answer>(answered), robot_.model_id, status_.settings_id);
+  command_.sequence = status_.answered + 1;
+  command_.compute_ns = static_cast<std::int32_t>(std::min<std::int64_t>(end - begin, INT32_MAX));
+  if (static_cast<double>(monotonic_us() - arrival) > 1e6 * config_.deadline)
+  {
+    command_.flags |= flag::late;
+    ++status_.late;
+  }
+  publish(channels_.command, command_);
+  ++status_.answered;
+  ++status_.received;
+  latencies_.add(static_cast<double>(monotonic_us() - arrival));
+}
+
+void LcmLoop::reject(const Sender& sender, const Refusal& refusal)
+{
+  fill(rejection_, sender, refusal);
+  publish(channels_.rejected, rejection_);
+  ++status_.rejected;
+  ++status_.received;
+  status_.last_reason = rejection_.reason;
+
+  std::int64_t& next_log = next_log_[static_cast<std::size_t>(refusal.reason())];
+  if (const std::int64_t now = monotonic_us(); now >= next_log)
+  {
+    next_log = now + 1'000'000;
+    log_.warn("rejected: {}: {} ({} rejected so far)", name_of(refusal.reason()), refusal.detail(), status_.rejected);
+  }
+}
+
+void LcmLoop::on_status(const lcm::ReceiveBuffer* buffer, const std::string&)
+try
+{
+  status_t heard;
+  if (!heard_own_status_ && decode(bytes_of(*buffer), heard))
+    heard_own_status_ = heard.instance_id == status_.instance_id;
+}
+catch (const std::exception& error)
+{
+  log_.critical("a status was lost: {}", error.what());
+}
+
+std::int8_t LcmLoop::state(std::int64_t now) const
+{
+  if (!gate_.following())
+    return status_t::WAITING;
+  return gate_.silent(now) ? status_t::STALE : status_t::RUNNING;
+}
+
+void LcmLoop::publish_status_and_model_when_due()
+{
+  const std::int64_t now = monotonic_us();
+  if (now >= next_status_)
+  {
+    publish_status(state(now));
+    next_status_ = now + kStatusPeriod;
+  }
+  if (now >= next_model_)
+  {
+    publish(channels_.model, model_);
+    next_model_ = now + kModelPeriod;
+  }
+}
+
+void LcmLoop::publish_status(std::int8_t state)
+{
+  const std::int64_t now = monotonic_us();
+  const LatencyPercentiles latency = latencies_.take();
+  status_.utime = nanoseconds(CLOCK_REALTIME) / 1000;
+  status_.uptime_us = now - start_;
+  status_.state = state;
+  status_.conflicts = gate_.conflicts();
+  status_.dropped_logs = dropped_logs_();
+  status_.input_age_us = last_arrival_ < 0 ? -1 : now - last_arrival_;
+  status_.latency_us_p50 = latency.p50;
+  status_.latency_us_p90 = latency.p90;
+  status_.latency_us_p99 = latency.p99;
+  status_.latency_us_p999 = latency.p999;
+  status_.latency_us_max = latency.max;
+  publish(channels_.status, status_);
+}
+
+template <typename Message> void LcmLoop::publish(const std::string& channel, const Message& message)
+{
+  const Bytes bytes = encode(message, buffer_);
+  bus_.publish(channel, bytes.data(), static_cast<unsigned int>(bytes.size()));
+}
+
+} // namespace torqued

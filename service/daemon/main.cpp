@@ -1,0 +1,178 @@
+#include "daemon/config.h"
+#include "daemon/lcm_loop.h"
+#include "robot/strict_toml.h"
+
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <cstdlib>
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <optional>
+#include <signal.h>
+#include <spdlog/async.h>
+#include <spdlog/sinks/stdout_color_sinks.h>
+#include <spdlog/spdlog.h>
+#include <sys/signalfd.h>
+#include <sysexits.h>
+
+namespace
+{
+
+using namespace torqued;
+
+// Something that ends the program before it runs, and the code it ends with.
+struct Exit
+{
+  int code;
+  std::string message;
+};
+
+// The command line over the configuration file over the defaults; nothing if the command line only asked for words.
+std::optional<Config> configure(int argc, char** argv, int& exit_code)
+{
+  std::vector<std::string_view> methods;
+  for (const NamedMethod& known : kMethods)
+    methods.push_back(known.name);
+
+  CLI::App app{"torqued hears desired joint states of a planar biped on LCM and publishes the joint torques and ground "
+               "reactions that produce them.",
+               "torqued"};
+  app.footer(
+      "Example, on a bus of this machine alone:\n"
+      "  LCM_DEFAULT_URL='udpm://239.255.76.67:7667?ttl=0' torqued --robot human-subject01 --every-sample\n\n"
+      "Exit codes: 0 ended by a signal, 64 wrong usage, 69 no bus, 78 bad configuration or robot, 1 anything else.");
+  app.set_version_flag("--version", "torqued " TORQUED_VERSION);
+  std::string file, robot, method, lcm_url, prefix, log_level;
+  bool every_sample = false;
+  bool print_config = false;
+  app.add_option(
+         "--robot", robot,
+         fmt::format("a robot that ships ({}) or a .toml file; default: ck", fmt::join(shipped_robot_names(), ", ")))
+      ->type_name("NAME|FILE");
+  app.add_option("--config", file, "a TOML file that sets what flags do not")->type_name("FILE");
+  app.add_option(
+         "--method", method,
+         fmt::format("how double support is resolved: {}; default: linear-transition", fmt::join(methods, ", ")))
+      ->type_name("NAME");
+  app.add_option("--lcm-url", lcm_url, "the bus; default: LCM_DEFAULT_URL, or LCM's own default")->type_name("URL");
+  app.add_option("--prefix", prefix, "stands before each channel's name")->type_name("TEXT");
+  app.add_flag("--every-sample", every_sample,
+               "answer all samples in order, for recorded trajectories, not the newest");
+  app.add_option("--log-level", log_level, "trace, debug, info, warn, error, critical or off; default: info")
+      ->type_name("LEVEL");
+  app.add_flag("--print-config", print_config, "print the whole effective configuration as TOML, and end");
+  try
+  {
+    app.parse(argc, argv);
+  }
+  catch (const CLI::ParseError& error)
+  {
+    exit_code = app.exit(error) == 0 ? EX_OK : EX_USAGE;
+    return {};
+  }
+
+  Config config = file.empty() ? Config() : read_config(file);
+  const auto set = [](std::string_view option, auto setter, Config& into, const std::string& value)
+  {
+    try
+    {
+      setter(into, value);
+    }
+    catch (const std::invalid_argument& error)
+    {
+      throw Exit{EX_USAGE, fmt::format("{}: {}", option, error.what())};
+    }
+  };
+  if (!robot.empty())
+    config.robot = robot;
+  if (!method.empty())
+    set("--method", set_method, config, method);
+  if (!lcm_url.empty())
+    config.lcm_url = lcm_url;
+  if (!prefix.empty())
+    set("--prefix", set_prefix, config, prefix);
+  if (!log_level.empty())
+    set("--log-level", set_log_level, config, log_level);
+  config.every_sample |= every_sample;
+  if (print_config)
+  {
+    fmt::print("{}", to_toml(config));
+    return {};
+  }
+  return config;
+}
+
+// SIGTERM and SIGINT as a readable file; before any thread starts, so that all of them leave the signals to it.
+int stop_signals()
+{
+  sigset_t signals;
+  sigemptyset(&signals);
+  sigaddset(&signals, SIGTERM);
+  sigaddset(&signals, SIGINT);
+  pthread_sigmask(SIG_BLOCK, &signals, nullptr);
+  return signalfd(-1, &signals, SFD_CLOEXEC);
+}
+
+// for complaints: which bus was meant, and who said so
+std::string bus_name(const Config& config)
+{
+  if (!config.lcm_url.empty())
+    return fmt::format("lcm_url is \"{}\"", config.lcm_url);
+  if (const char* url = std::getenv("LCM_DEFAULT_URL"))
+    return fmt::format("LCM_DEFAULT_URL is \"{}\"", url);
+  return "neither --lcm-url nor LCM_DEFAULT_URL is set, so LCM's own default was tried";
+}
+
+constexpr std::string_view kRouteHint = "Within one machine LCM needs: ip link set lo up multicast on; "
+                                        "ip route add 224.0.0.0/4 dev lo";
+
+int serve(const Config& config)
+{
+  const Robot robot = load_robot(config.robot);
+  const int stop_fd = stop_signals();
+  spdlog::init_thread_pool(1024, 1);
+  const auto log = spdlog::create_async_nb<spdlog::sinks::stderr_color_sink_mt>("torqued");
+  log->set_level(spdlog::level::from_str(config.log_level));
+
+  lcm::LCM bus(config.lcm_url);
+  if (!bus.good())
+    throw Exit{EX_UNAVAILABLE, fmt::format("the LCM bus cannot be opened: {}. {}", bus_name(config), kRouteHint)};
+  LcmLoop loop(bus, robot, config, *log,
+               [pool = spdlog::thread_pool()] { return static_cast<std::int64_t>(pool->overrun_counter()); });
+  if (!loop.prove_bus())
+    throw Exit{EX_UNAVAILABLE,
+               fmt::format("the LCM bus does not carry messages, not even to this process itself: {}. {}",
+                           bus_name(config), kRouteHint)};
+  log->info("answering {} on {}TORQUED_DESIRED, {:.1f} kg, {} joints, method {}", robot.name, config.prefix,
+            robot.mechanism.mass(), robot.num_joints(), name_of(config.answers.methods.method));
+  flush_denormals();
+  loop.run(stop_fd);
+  log->info("stopped");
+  spdlog::shutdown();
+  return EX_OK;
+}
+
+} // namespace
+
+int main(int argc, char** argv)
+try
+{
+  int exit_code = EX_OK;
+  const std::optional<Config> config = configure(argc, argv, exit_code);
+  return config ? serve(*config) : exit_code;
+}
+catch (const Exit& exit)
+{
+  fmt::print(stderr, "torqued: {}\n", exit.message);
+  return exit.code;
+}
+catch (const FileError& error)
+{
+  fmt::print(stderr, "torqued: {}\n", error.what());
+  return EX_CONFIG;
+}
+catch (const std::exception& error)
+{
+  fmt::print(stderr, "torqued: {}\n", error.what());
+  return EXIT_FAILURE;
+}
