@@ -65,8 +65,8 @@ LcmLoop::LcmLoop(lcm::LCM& bus, const Robot& robot, const Config& config, spdlog
   buffer_.reserve(4096);
 
   // LCM takes channel names for regular expressions; ours hold nothing that would not stand for itself (set_prefix)
-  subscriptions_.push_back(bus_.subscribe(channels_.desired, &LcmLoop::on_desired, this));
-  subscriptions_.push_back(bus_.subscribe(channels_.status, &LcmLoop::on_status, this));
+  subscriptions_.push_back(bus_.subscribeFunction(channels_.desired, &LcmLoop::hear_desired, this));
+  subscriptions_.push_back(bus_.subscribeFunction(channels_.status, &LcmLoop::hear_status, this));
   subscriptions_[0]->setQueueCapacity(kQueue);
 }
 
@@ -127,16 +127,34 @@ void LcmLoop::notice_own_stall(std::int64_t expected_by, std::int64_t now)
     gate_.pause(now - expected_by);
 }
 
-void LcmLoop::on_desired(const lcm::ReceiveBuffer* buffer, const std::string& channel)
+void LcmLoop::hear_desired(const lcm::ReceiveBuffer* buffer, const std::string& channel, LcmLoop* loop) noexcept
 try
 {
-  if (channel != channels_.desired)
-    return;
+  if (channel == loop->channels_.desired)
+    loop->on_desired(bytes_of(*buffer));
+}
+catch (const std::exception& error)
+{
+  loop->log_.critical("a desired state was lost: {}", error.what());
+}
+
+void LcmLoop::hear_status(const lcm::ReceiveBuffer* buffer, const std::string&, LcmLoop* loop) noexcept
+try
+{
+  loop->on_status(bytes_of(*buffer));
+}
+catch (const std::exception& error)
+{
+  loop->log_.critical("a status was lost: {}", error.what());
+}
+
+void LcmLoop::on_desired(Bytes message)
+{
   const std::int64_t arrival = monotonic_us();
   last_arrival_ = arrival;
-  const Result<DesiredState> decoded = decode_desired_state(bytes_of(*buffer), robot_);
+  const Result<DesiredState> decoded = decode_desired_state(message, robot_);
   if (const Refusal* refusal = std::get_if<Refusal>(&decoded))
-    return reject(read_sender(bytes_of(*buffer)), *refusal);
+    return reject(read_sender(message), *refusal);
   const DesiredState& desired = std::get<DesiredState>(decoded);
   const Sender sender{desired.utime, desired.stream_id};
   if (const auto refusal = gate_.arrive(sender, arrival))
@@ -151,11 +169,6 @@ try
   }
   pending_ = desired;
   pending_arrival_ = arrival;
-}
-catch (const std::exception& error)
-{
-  // nothing may leave a handler: LCM would abort the process at its next call
-  log_.critical("a desired state was lost: {}", error.what());
 }
 
 void LcmLoop::answer_pending()
@@ -209,16 +222,11 @@ void LcmLoop::reject(const Sender& sender, const Refusal& refusal)
   }
 }
 
-void LcmLoop::on_status(const lcm::ReceiveBuffer* buffer, const std::string&)
-try
+void LcmLoop::on_status(Bytes message)
 {
   status_t heard;
-  if (!heard_own_status_ && decode(bytes_of(*buffer), heard))
+  if (!heard_own_status_ && decode(message, heard))
     heard_own_status_ = heard.instance_id == status_.instance_id;
-}
-catch (const std::exception& error)
-{
-  log_.critical("a status was lost: {}", error.what());
 }
 
 std::int8_t LcmLoop::state(std::int64_t now) const

@@ -46,8 +46,12 @@ public:
   void run(int stop_fd);
 
 private:
-  void on_desired(const lcm::ReceiveBuffer* buffer, const std::string& channel);
-  void on_status(const lcm::ReceiveBuffer* buffer, const std::string& channel);
+  // what LCM calls; they let nothing be thrown into it
+  static void hear_desired(const lcm::ReceiveBuffer* buffer, const std::string& channel, LcmLoop* loop) noexcept;
+  static void hear_status(const lcm::ReceiveBuffer* buffer, const std::string& channel, LcmLoop* loop) noexcept;
+
+  void on_desired(Bytes message);
+  void on_status(Bytes message);
 
   void answer_sample(const DesiredState& desired, std::int64_t arrival);
   void answer_pending();

@@ -1,0 +1,210 @@
+#include "catch.h"
+#include "matchers.h"
+#include "oracles.h"
+
+#include "daemon/answer.h"
+
+#include <cstring>
+
+using namespace torqued;
+
+namespace
+{
+
+Answer answered(const Robot& robot, const AnswerSettings& settings, const DesiredState& desired, StreamMemory& memory)
+{
+  const auto result = answer(robot, settings, desired, memory);
+  if (const Refusal* refusal = std::get_if<Refusal>(&result))
+    FAIL(std::string(refusal->detail()));
+  return std::get<Answer>(result);
+}
+
+Reason refused(const Robot& robot, const AnswerSettings& settings, const DesiredState& desired, StreamMemory& memory)
+{
+  const auto result = answer(robot, settings, desired, memory);
+  REQUIRE(std::holds_alternative<Refusal>(result));
+  return std::get<Refusal>(result).reason();
+}
+
+// ck, standing upright at rest on both soles
+DesiredState standing()
+{
+  oracle::Motion motion;
+  motion.X << 0, 0, 0, 0, 0, 0, 0, 0, 0.855;
+  motion.V.setZero();
+  motion.A.setZero();
+  return oracle::desired_state(motion, Contact::sole, Contact::sole, Side::left, 0.5);
+}
+
+} // namespace
+
+TEST_CASE("standing still, the ground carries the weight and each foot half of it", "[answer]")
+{
+  const Robot robot = load_robot("ck");
+  StreamMemory memory;
+  const Answer found = answered(robot, {}, standing(), memory);
+  CHECK(found.flags == 0);
+  CHECK(mismatch(found.ground[0].wrench.fz, 0.5 * 45.0 * 9.81, 1e-12) == "");
+  CHECK(mismatch(found.ground[1].wrench.fz, 0.5 * 45.0 * 9.81, 1e-12) == "");
+  // only the feet's masses lie off the vertical through the hip
+  const double zmp = 2.0 * 0.7 * 0.03 / 45.0;
+  CHECK(mismatch(found.zmp, zmp, 1e-12) == "");
+  CHECK(mismatch(found.ground[0].cop, zmp, 1e-12) == "");
+  CHECK(found.method == Method::linear_transition);
+  CHECK(found.contact_speed == 0.0);
+  CHECK(found.dynamics_residual < 1e-12);
+}
+
+TEST_CASE("a motion that contradicts its contacts is flagged, or refused by setting", "[answer]")
+{
+  const Robot robot = load_robot("ck");
+  AnswerSettings refuse;
+  refuse.consistency = OnExcess::refuse;
+  const auto check = [&](const DesiredState& desired, bool inconsistent)
+  {
+    StreamMemory memory;
+    CHECK(((answered(robot, {}, desired, memory).flags & flag::inconsistent) != 0) == inconsistent);
+    if (inconsistent)
+      CHECK(refused(robot, refuse, desired, memory) == Reason::inconsistent);
+    else
+      answered(robot, refuse, desired, memory);
+  };
+  check(standing(), false);
+  DesiredState desired = standing();
+  desired.v(7) = 0.009; // both ankles slide
+  check(desired, false);
+  desired.v(7) = 0.011;
+  check(desired, true);
+  desired = standing();
+  desired.a(8) = 0.09;
+  check(desired, false);
+  desired.a(8) = 0.11;
+  check(desired, true);
+  desired = standing();
+  desired.q(0) = -0.019;
+  check(desired, false);
+  desired.q(0) = -0.021;
+  check(desired, true);
+}
+
+TEST_CASE("torque limits are flagged, refused or clamped", "[answer]")
+{
+  Robot robot = load_robot("ck");
+  DesiredState desired = standing();
+  desired.q(6) = -0.5; // the trunk leans forward: both hips hold it
+  StreamMemory memory;
+  const Answer free = answered(robot, {}, desired, memory);
+  const double hip = std::abs(free.torque(2));
+  REQUIRE(hip > 5.0);
+  CHECK((free.flags & flag::over_torque) == 0);
+
+  robot.actuators[2].torque_limit = hip - 1.0;
+  const Answer flagged = answered(robot, {}, desired, memory);
+  CHECK(flagged.flags == (free.flags | flag::over_torque));
+  CHECK(mismatch(flagged.torque, free.torque, 0.0) == "");
+
+  AnswerSettings settings;
+  settings.limits = OnExcess::refuse;
+  CHECK(refused(robot, settings, desired, memory) == Reason::over_limit);
+
+  settings.limits = OnExcess::clamp;
+  const Answer clamped = answered(robot, settings, desired, memory);
+  CHECK(clamped.flags == (free.flags | flag::over_torque | flag::clamped));
+  CHECK(std::abs(clamped.torque(2)) == hip - 1.0);
+  CHECK(clamped.torque(3) == free.torque(3));
+}
+
+TEST_CASE("torque-rate limits look at the stream's previous answer", "[answer]")
+{
+  Robot robot = load_robot("ck");
+  robot.actuators[2].rate_limit = 100.0; // N m/s
+  DesiredState first = standing();
+  first.utime = 1'000'000;
+  DesiredState second = first;
+  second.q(6) = -0.1;
+  second.utime = 1'010'000;
+  const auto after_first = [&](const AnswerSettings& settings)
+  {
+    StreamMemory memory;
+    answered(robot, settings, first, memory);
+    return memory;
+  };
+  StreamMemory none;
+  const Answer alone = answered(robot, {}, second, none);
+  CHECK((alone.flags & flag::over_rate) == 0);
+
+  StreamMemory memory = after_first({});
+  const double before = memory.torque(2);
+  REQUIRE(std::abs(alone.torque(2) - before) > 1.0 + 1e-6);
+  CHECK((answered(robot, {}, second, memory).flags & flag::over_rate) != 0);
+
+  AnswerSettings settings;
+  settings.rate_limits = OnExcess::clamp;
+  memory = after_first(settings);
+  const Answer clamped = answered(robot, settings, second, memory);
+  CHECK((clamped.flags & flag::clamped) != 0);
+  CHECK(mismatch(std::abs(clamped.torque(2) - before), 1.0, 1e-12) == "");
+  CHECK(mismatch(memory.torque, clamped.torque, 0.0) == "");
+
+  settings.rate_limits = OnExcess::refuse;
+  memory = after_first(settings);
+  CHECK(refused(robot, settings, second, memory) == Reason::over_limit);
+  // what was refused is not remembered; what comes later may change by more
+  second.utime = 1'000'000 + 10'000'000;
+  answered(robot, settings, second, memory);
+
+  // another stream's torque is no reference
+  memory = after_first(settings);
+  second.utime = 1'010'000;
+  second.stream_id = 2;
+  answered(robot, settings, second, memory);
+}
+
+TEST_CASE("numbers too large to compute with are refused, and finite answers are all that comes out", "[answer]")
+{
+  const Robot robot = load_robot("ck");
+  oracle::Random random(51);
+  StreamMemory memory;
+  DesiredState desired = standing();
+  desired.v(0) = 1e200;
+  CHECK(refused(robot, {}, desired, memory) == Reason::numerical);
+  desired = standing();
+  desired.a.setConstant(1.7e308);
+  CHECK(refused(robot, {}, desired, memory) == Reason::numerical);
+  desired = standing();
+  desired.q.head<7>().setConstant(1e308);
+  answered(robot, {}, desired, memory);
+
+  for (int i = 0; i < 5000; ++i)
+  {
+    desired = standing();
+    desired.base_given = i % 2 == 0;
+    for (VectorQ* vector : {&desired.q, &desired.v, &desired.a})
+      for (double& x : *vector)
+        x = std::ldexp(oracle::uniform(random, -1.0, 1.0), static_cast<int>(random() % 2000) - 1000);
+    const auto result = answer(robot, {}, desired, memory);
+    if (const Answer* found = std::get_if<Answer>(&result))
+    {
+      const bool finite = found->torque.allFinite() && std::isfinite(found->zmp) && std::isfinite(found->ground[0].cop);
+      CHECK(finite);
+    }
+  }
+}
+
+TEST_CASE("the same desired state and memory give the same bits", "[answer]")
+{
+  flush_denormals();
+  const Robot robot = load_robot("human-subject01");
+  oracle::Random random(52);
+  for (int i = 0; i < 200; ++i)
+  {
+    const DesiredState desired = oracle::desired_state(oracle::random_motion(random), Contact::sole, Contact::sole,
+                                                       Side::left, oracle::uniform(random, 0.0, 1.0));
+    StreamMemory first;
+    StreamMemory second;
+    const Answer a = answered(robot, {}, desired, first);
+    const Answer b = answered(robot, {}, desired, second);
+    CHECK(std::memcmp(a.torque.data(), b.torque.data(), sizeof(double) * 6) == 0);
+    CHECK(std::memcmp(&a.ground, &b.ground, sizeof a.ground) == 0);
+  }
+}

@@ -1,0 +1,81 @@
+#include "catch.h"
+#include "matchers.h"
+#include "oracles.h"
+
+#include "torque/checks.h"
+
+using namespace torqued;
+
+namespace
+{
+
+// A level foot at the origin; its reaction when force f acts at x along the sole.
+GroundReaction reaction_at(const Robot& robot, double x, Eigen::Vector2d f, double tilt = 0.0)
+{
+  const Foot& foot = robot.foot(Side::left);
+  FootPose pose;
+  pose.e = {std::cos(tilt), std::sin(tilt)};
+  const Eigen::Vector2d r = rotate(pose.e, {x, -foot.ankle_height()});
+  return ground_reaction(robot, foot, pose, {f.x(), f.y(), cross(r, f)});
+}
+
+} // namespace
+
+TEST_CASE("the centre of pressure is where the force acts along the sole, level or tilted", "[checks]")
+{
+  const Robot robot = load_robot("ck");
+  oracle::Random random(31);
+  for (int i = 0; i < 200; ++i)
+  {
+    const double x = oracle::uniform(random, -0.2, 0.3);
+    const Eigen::Vector2d f(oracle::uniform(random, -50.0, 50.0), oracle::uniform(random, 100.0, 800.0));
+    const double tilt = i % 2 == 0 ? 0.0 : oracle::uniform(random, -1.0, 1.0);
+    const GroundReaction reaction = reaction_at(robot, x, f, tilt);
+    CHECK(mismatch(reaction.cop, x, 1e-12) == "");
+    CHECK(mismatch(reaction.friction_ratio, std::abs(f.x()) / f.y(), 1e-14) == "");
+  }
+}
+
+TEST_CASE("a foot without load has no centre of pressure and no friction ratio", "[checks]")
+{
+  const Robot robot = load_robot("ck");
+  const GroundReaction reaction = reaction_at(robot, 0.1, {1e-4, 4e-4}); // weight 441 N
+  CHECK(reaction.cop == 0.0);
+  CHECK(reaction.friction_ratio == 0.0);
+  CHECK(contact_flags(robot, robot.foot(Side::left), Contact::sole, reaction) == 0);
+}
+
+TEST_CASE("each contact condition has its flag, on the right side of its boundary", "[checks]")
+{
+  const Robot robot = load_robot("ck"); // friction 0.6, sole from −0.07 to 0.15
+  const Foot& foot = robot.foot(Side::left);
+  const auto flags = [&](Contact contact, double x, Eigen::Vector2d f)
+  {
+    return contact_flags(robot, foot, contact, reaction_at(robot, x, f));
+  };
+  CHECK(flags(Contact::sole, 0.0, {0.0, 400.0}) == 0);
+  CHECK(flags(Contact::sole, 0.0, {239.9, 400.0}) == 0);
+  CHECK(flags(Contact::sole, 0.0, {240.1, 400.0}) == flag::slips);
+  CHECK(flags(Contact::sole, 0.0, {-240.1, 400.0}) == flag::slips);
+  CHECK(flags(Contact::sole, 0.0, {0.0, -1.0}) == flag::lifts);
+  CHECK(flags(Contact::sole, 0.149, {0.0, 400.0}) == 0);
+  CHECK(flags(Contact::sole, 0.15, {0.0, 400.0}) == 0);
+  CHECK(flags(Contact::sole, 0.151, {0.0, 400.0}) == flag::tips);
+  CHECK(flags(Contact::sole, -0.071, {0.0, 400.0}) == flag::tips);
+  CHECK(flags(Contact::sole, -0.07, {0.0, 400.0}) == 0);
+  CHECK(flags(Contact::toe, 0.151, {0.0, 400.0}) == 0);
+  CHECK(flags(Contact::none, 0.151, {500.0, -400.0}) == 0);
+}
+
+TEST_CASE("the zero-moment point is where the total force crosses the ground", "[checks]")
+{
+  const Robot robot = load_robot("ck");
+  SupportEquations equations;
+  equations.base = {0.3, 0.8};
+  const Eigen::Vector2d F(60.0, 500.0);
+  const double x = 0.42;
+  equations.d << F, cross(Eigen::Vector2d(x, 0.0) - equations.base, F);
+  CHECK(mismatch(zero_moment_point(robot, equations), x, 1e-14) == "");
+  equations.d << 0.0, 0.0, 5.0;
+  CHECK(zero_moment_point(robot, equations) == 0.0);
+}

@@ -1,0 +1,328 @@
+#include "catch.h"
+#include "matchers.h"
+#include "oracles.h"
+
+#include "wire/codec.h"
+
+#include <functional>
+#include <limits>
+
+using namespace torqued;
+
+namespace
+{
+
+desired_state_t good(const Robot& robot)
+{
+  oracle::Random random(41);
+  desired_state_t message{};
+  message.utime = 123456789;
+  message.stream_id = 987654321;
+  message.model_id = robot.model_id;
+  message.base = desired_state_t::GIVEN;
+  message.left_contact = desired_state_t::SOLE;
+  message.right_contact = desired_state_t::HEEL;
+  message.leading_foot = desired_state_t::RIGHT;
+  message.load_transfer = 0.25;
+  message.phase = 0.5;
+  for (auto* base : {message.base_q, message.base_v, message.base_a})
+    for (int i = 0; i < 2; ++i)
+      base[i] = oracle::uniform(random, -1.0, 1.0);
+  message.num_coordinates = robot.num_angles();
+  for (auto* vector : {&message.q, &message.v, &message.a})
+    for (int i = 0; i < message.num_coordinates; ++i)
+      vector->push_back(oracle::uniform(random, -1.0, 1.0));
+  return message;
+}
+
+std::vector<std::byte> bytes_of(const desired_state_t& message)
+{
+  std::vector<std::byte> buffer;
+  const Bytes bytes = encode(message, buffer);
+  return {bytes.begin(), bytes.end()};
+}
+
+// "" if it was decoded, else the reason's name
+std::string outcome(Bytes bytes, const Robot& robot)
+{
+  const auto result = decode_desired_state(bytes, robot);
+  const Refusal* refusal = std::get_if<Refusal>(&result);
+  return refusal ? std::string(name_of(refusal->reason())) : "";
+}
+
+void write_int32(std::vector<std::byte>& bytes, std::size_t at, std::int32_t value)
+{
+  for (int i = 0; i < 4; ++i)
+    bytes[at + static_cast<std::size_t>(i)] = static_cast<std::byte>(static_cast<std::uint32_t>(value) >> (24 - 8 * i));
+}
+
+constexpr std::size_t kCountAt = 8 + 24 + 6 + 64; // num_coordinates in an encoded desired_state_t
+
+} // namespace
+
+TEST_CASE("a desired state arrives as it was sent", "[codec]")
+{
+  const Robot robot = load_robot("ck");
+  const desired_state_t sent = good(robot);
+  const auto result = decode_desired_state(bytes_of(sent), robot);
+  REQUIRE(std::holds_alternative<DesiredState>(result));
+  const DesiredState& got = std::get<DesiredState>(result);
+  CHECK(got.utime == sent.utime);
+  CHECK(got.stream_id == sent.stream_id);
+  CHECK(got.base_given);
+  CHECK(got.method == Method::none);
+  CHECK(got.support.contact == std::array<Contact, 2>{Contact::sole, Contact::heel});
+  CHECK(got.support.leading == Side::right);
+  CHECK(got.support.load_transfer == 0.25);
+  CHECK(got.support.phase == 0.5);
+  const auto expected = [](const std::vector<double>& angles, const double* base)
+  {
+    Eigen::VectorXd all(9);
+    all << Eigen::Map<const Eigen::VectorXd>(angles.data(), 7), base[0], base[1];
+    return all;
+  };
+  CHECK(mismatch(got.q, expected(sent.q, sent.base_q), 0.0) == "");
+  CHECK(mismatch(got.v, expected(sent.v, sent.base_v), 0.0) == "");
+  CHECK(mismatch(got.a, expected(sent.a, sent.base_a), 0.0) == "");
+}
+
+TEST_CASE("relative coordinates mean the same motion as the absolute ones they stand for", "[codec]")
+{
+  const std::string with_offset = [&]
+  {
+    std::string text(shipped_robot_toml("ck"));
+    const std::string key = "torque_limit = 150.0";
+    return text.replace(text.find(key), key.size(), key + "\noffset = 0.3");
+  }();
+  const Robot robot = read_toml_robot(with_offset, "r.toml");
+  desired_state_t absolute = good(robot);
+  desired_state_t relative = absolute;
+  relative.coordinates = desired_state_t::RELATIVE;
+  const Eigen::Map<const Eigen::VectorXd> q(absolute.q.data(), 7), v(absolute.v.data(), 7), a(absolute.a.data(), 7);
+  Eigen::Map<Eigen::VectorXd>(relative.q.data(), 7) = robot.A * q + robot.b;
+  Eigen::Map<Eigen::VectorXd>(relative.v.data(), 7) = robot.A * v;
+  Eigen::Map<Eigen::VectorXd>(relative.a.data(), 7) = robot.A * a;
+  CHECK(relative.q[0] == absolute.q[1] - absolute.q[0] + 0.3);
+  const auto from_absolute = std::get<DesiredState>(decode_desired_state(bytes_of(absolute), robot));
+  const auto from_relative = std::get<DesiredState>(decode_desired_state(bytes_of(relative), robot));
+  CHECK(mismatch(from_relative.q, from_absolute.q, 1e-14) == "");
+  CHECK(mismatch(from_relative.v, from_absolute.v, 1e-14) == "");
+  CHECK(mismatch(from_relative.a, from_absolute.a, 1e-14) == "");
+}
+
+TEST_CASE("a desired state cut at any byte, or extended, is undecodable", "[codec]")
+{
+  const Robot robot = load_robot("ck");
+  const std::vector<std::byte> whole = bytes_of(good(robot));
+  REQUIRE(outcome(whole, robot) == "");
+  for (std::size_t length = 0; length < whole.size(); ++length)
+  {
+    CAPTURE(length);
+    // a copy of exactly this length, so that a sanitizer sees every byte read past it
+    const std::vector<std::byte> cut(whole.begin(), whole.begin() + static_cast<std::ptrdiff_t>(length));
+    CHECK(outcome(cut, robot) == "UNDECODABLE");
+    const Sender sender = read_sender(cut);
+    CHECK(sender.utime == (length >= 16 ? 123456789 : 0));
+    CHECK(sender.stream_id == (length >= 24 ? 987654321 : 0));
+  }
+  for (const std::size_t extra : {1u, 8u, 1000u})
+  {
+    std::vector<std::byte> extended = whole;
+    extended.insert(extended.end(), extra, std::byte{0});
+    CHECK(outcome(extended, robot) == "UNDECODABLE");
+  }
+  for (std::size_t byte = 0; byte < 8; ++byte)
+  {
+    std::vector<std::byte> other_type = whole;
+    other_type[byte] ^= std::byte{1};
+    CHECK(outcome(other_type, robot) == "UNDECODABLE");
+    CHECK(read_sender(other_type).utime == 0);
+  }
+}
+
+TEST_CASE("a wrong count is refused before anything is sized by it", "[codec]")
+{
+  const Robot robot = load_robot("ck");
+  for (const std::int32_t count : {-1, 0, 6, 8, 100'000'000, 1 << 29, std::numeric_limits<std::int32_t>::max(),
+                                   std::numeric_limits<std::int32_t>::min()})
+  {
+    CAPTURE(count);
+    std::vector<std::byte> bytes = bytes_of(good(robot));
+    write_int32(bytes, kCountAt, count);
+    CHECK(outcome(bytes, robot) == "WRONG_SIZE");
+    desired_state_t message;
+    CHECK_FALSE(decode(Bytes(bytes), message));
+  }
+}
+
+TEST_CASE("a field that is not finite is refused, whether it is used or not", "[codec]")
+{
+  const Robot robot = load_robot("ck");
+  for (const double bad : {std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity(),
+                           -std::numeric_limits<double>::infinity()})
+    for (int field = 0; field < 2 + 6 + 21; ++field)
+    {
+      CAPTURE(bad, field);
+      desired_state_t message = good(robot);
+      message.base = desired_state_t::FROM_CONTACT;
+      double* fields[] = {&message.load_transfer, &message.phase, message.base_q, message.base_v, message.base_a};
+      if (field < 2)
+        *fields[field] = bad;
+      else if (field < 8)
+        fields[2 + (field - 2) / 2][field % 2] = bad;
+      else if (field < 15)
+        message.q[static_cast<std::size_t>(field - 8)] = bad;
+      else if (field < 22)
+        message.v[static_cast<std::size_t>(field - 15)] = bad;
+      else
+        message.a[static_cast<std::size_t>(field - 22)] = bad;
+      CHECK(outcome(bytes_of(message), robot) == "NOT_FINITE");
+    }
+}
+
+TEST_CASE("a field out of its range is refused by name", "[codec]")
+{
+  const Robot robot = load_robot("ck");
+  using Change = std::function<void(desired_state_t&)>;
+  struct Row
+  {
+    Change change;
+    Reason reason;
+    std::string detail;
+  };
+  const std::vector<Row> rows{
+      {[](auto& m) { m.coordinates = 2; }, Reason::out_of_range,
+       "coordinates is 2; expected ABSOLUTE (0) or RELATIVE (1)"},
+      {[](auto& m) { m.coordinates = -1; }, Reason::out_of_range,
+       "coordinates is -1; expected ABSOLUTE (0) or RELATIVE (1)"},
+      {[](auto& m) { m.base = 2; }, Reason::out_of_range, "base is 2; expected FROM_CONTACT (0) or GIVEN (1)"},
+      {[](auto& m) { m.left_contact = 4; }, Reason::out_of_range,
+       "left_contact is 4; expected NONE (0), HEEL (1), SOLE (2) or TOE (3)"},
+      {[](auto& m) { m.right_contact = -128; }, Reason::out_of_range,
+       "right_contact is -128; expected NONE (0), HEEL (1), SOLE (2) or TOE (3)"},
+      {[](auto& m) { m.leading_foot = 2; }, Reason::out_of_range, "leading_foot is 2; expected LEFT (0) or RIGHT (1)"},
+      {[](auto& m) { m.load_transfer = 1.0000000000000002; }, Reason::out_of_range,
+       "load_transfer is 1.0000000000000002; expected 0 to 1"},
+      {[](auto& m) { m.load_transfer = -1e-300; }, Reason::out_of_range, "load_transfer is -1e-300; expected 0 to 1"},
+      {[](auto& m) { m.phase = 2.0; }, Reason::out_of_range, "phase is 2; expected 0 to 1"},
+      {[](auto& m) { m.method = 10; }, Reason::unknown_method,
+       "method is 10; expected DEFAULT (0) or LINEAR_TRANSITION (2)"},
+      {[](auto& m) { m.method = -1; }, Reason::unknown_method,
+       "method is -1; expected DEFAULT (0) or LINEAR_TRANSITION (2)"},
+      {[](auto& m) { m.method = desired_state_t::CONSTRAINED; }, Reason::unknown_method,
+       "method is 7; expected DEFAULT (0) or LINEAR_TRANSITION (2)"},
+      {[](auto& m) { m.model_id = 5; }, Reason::wrong_model, "model_id is 5; expected"},
+  };
+  for (const Row& row : rows)
+  {
+    desired_state_t message = good(robot);
+    row.change(message);
+    const auto result = decode_desired_state(bytes_of(message), robot);
+    CAPTURE(row.detail);
+    REQUIRE(std::holds_alternative<Refusal>(result));
+    CHECK(std::get<Refusal>(result).reason() == row.reason);
+    CHECK(std::string(std::get<Refusal>(result).detail()).starts_with(row.detail));
+  }
+  desired_state_t unchecked = good(robot);
+  unchecked.model_id = 0;
+  unchecked.method = desired_state_t::LINEAR_TRANSITION;
+  CHECK(outcome(bytes_of(unchecked), robot) == "");
+}
+
+TEST_CASE("random bytes and random damage never get past the checks by more than they say", "[codec]")
+{
+  const Robot robot = load_robot("ck");
+  oracle::Random random(42);
+  const std::vector<std::byte> whole = bytes_of(good(robot));
+  for (int i = 0; i < 20'000; ++i)
+  {
+    std::vector<std::byte> bytes = whole;
+    const int damages = 1 + static_cast<int>(random() % 4);
+    for (int k = 0; k < damages; ++k)
+      bytes[8 + random() % (bytes.size() - 8)] = static_cast<std::byte>(random());
+    if (random() % 4 == 0)
+      bytes.resize(random() % 600);
+    const auto result = decode_desired_state(bytes, robot);
+    if (const auto* desired = std::get_if<DesiredState>(&result))
+    {
+      const bool sound = desired->q.allFinite() && desired->v.allFinite() && desired->a.allFinite() &&
+                         desired->support.load_transfer >= 0.0 && desired->support.load_transfer <= 1.0 &&
+                         desired->support.phase >= 0.0 && desired->support.phase <= 1.0 && bytes.size() == whole.size();
+      CHECK(sound);
+    }
+  }
+}
+
+TEST_CASE("what the daemon says arrives as it was said, and damaged not at all", "[codec]")
+{
+  const Robot robot = load_robot("ck");
+  std::vector<std::byte> buffer;
+  const auto check = [&](const auto& sent, auto received)
+  {
+    const Bytes view = encode(sent, buffer);
+    const std::vector<std::byte> bytes(view.begin(), view.end());
+    REQUIRE(decode(Bytes(bytes), received));
+    std::vector<std::byte> again;
+    const Bytes second = encode(received, again);
+    CHECK(std::equal(second.begin(), second.end(), bytes.begin(), bytes.end()));
+    for (std::size_t length = 0; length < bytes.size(); ++length)
+    {
+      const std::vector<std::byte> cut(bytes.begin(), bytes.begin() + static_cast<std::ptrdiff_t>(length));
+      REQUIRE_FALSE(decode(Bytes(cut), received));
+    }
+    std::vector<std::byte> extended = bytes;
+    extended.push_back(std::byte{0});
+    REQUIRE_FALSE(decode(Bytes(extended), received));
+    // any four bytes turned into a huge, a negative or a slightly wrong count: no crash, no allocation by it
+    for (std::size_t at = 8; at + 4 <= bytes.size(); ++at)
+      for (const std::int32_t value : {-1, 1 << 29, std::numeric_limits<std::int32_t>::max(), 3})
+      {
+        std::vector<std::byte> damaged = bytes;
+        write_int32(damaged, at, value);
+        decode(Bytes(damaged), received);
+      }
+  };
+
+  Answer answer{};
+  answer.torque = VectorJ::LinSpaced(6, 1.0, 6.0);
+  answer.flags = 5;
+  answer.ground[1].wrench = {1.0, 2.0, 3.0};
+  torque_command_t command{};
+  fill(command, answer, 7, 8);
+  CHECK(command.num_joints == 6);
+  CHECK(command.torque == std::vector<double>{1, 2, 3, 4, 5, 6});
+  CHECK(command.right.moment == 3.0);
+  check(command, torque_command_t());
+
+  rejection_t rejection{};
+  fill(rejection, {1, 2}, Refusal(Reason::stale, "too old by {} us", 30));
+  CHECK(rejection.detail == "too old by 30 us");
+  CHECK(rejection.reason == 8);
+  check(rejection, rejection_t());
+
+  status_t status{};
+  status.version = "1.2.3";
+  check(status, status_t());
+
+  const model_info_t info = model_info(robot, 1, 2, "# settings");
+  CHECK(info.num_links == 7);
+  CHECK(info.num_feet == 2);
+  CHECK(info.total_mass == robot.mechanism.mass());
+  check(info, model_info_t());
+}
+
+TEST_CASE("messages on the fast path stay within one Ethernet frame for the largest robot", "[codec]")
+{
+  desired_state_t desired{};
+  desired.num_coordinates = kMaxCoordinates;
+  desired.q.resize(kMaxCoordinates);
+  desired.v = desired.a = desired.q;
+  CHECK(desired.getEncodedSize() < 1400);
+  torque_command_t command{};
+  command.num_joints = kMaxJoints;
+  command.torque.resize(kMaxJoints);
+  CHECK(command.getEncodedSize() < 1400);
+  rejection_t rejection{};
+  rejection.detail.resize(Refusal(Reason::stale, "{}", std::string(1000, 'x')).detail().size());
+  CHECK(rejection.getEncodedSize() < 1400);
+}

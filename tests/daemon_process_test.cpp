@@ -1,0 +1,266 @@
+#include "catch.h"
+#include "process.h"
+#include "temporary_folder.h"
+
+#include "client/files.h"
+#include "wire/codec.h"
+
+#include <functional>
+#include <lcm/lcm-cpp.hpp>
+
+using namespace torqued;
+
+namespace
+{
+
+using Clock = std::chrono::steady_clock;
+
+// What torqued prints and how it ends when it is started with these arguments.
+std::pair<std::optional<int>, std::string> run(std::vector<std::string> arguments)
+{
+  const TemporaryFolder folder;
+  arguments.insert(arguments.begin(), TORQUED);
+  Process torqued(arguments, folder.file("output"));
+  const auto code = torqued.wait();
+  return {code, read_file(folder.file("output"))};
+}
+
+// A torqued of its own, and a client that hears all it says.
+class Bench
+{
+public:
+  explicit Bench(std::vector<std::string> arguments = {})
+  {
+    REQUIRE(bus_.good());
+    for (const std::string& channel : {channels_.command, channels_.rejected, channels_.status, channels_.model})
+      bus_.subscribeFunction(channel, &Bench::hear, this);
+    arguments.insert(arguments.begin(), TORQUED);
+    torqued_.emplace(arguments, folder_.file("output"));
+    CHECK(wait([&] { return model.has_value(); }));
+  }
+
+  Process& torqued() { return *torqued_; }
+  std::string output() const { return read_file(folder_.file("output")); }
+
+  // hears messages until the condition holds; false if it does not within ten seconds
+  bool wait(const std::function<bool()>& condition)
+  {
+    const auto until = Clock::now() + std::chrono::seconds(10);
+    while (!condition() && Clock::now() < until)
+      bus_.handleTimeout(5);
+    return condition();
+  }
+
+  desired_state_t standing() const
+  {
+    desired_state_t desired{};
+    desired.utime = std::chrono::duration_cast<std::chrono::microseconds>(Clock::now().time_since_epoch()).count();
+    desired.stream_id = 77;
+    desired.model_id = model->model_id;
+    desired.left_contact = desired.right_contact = desired_state_t::SOLE;
+    desired.load_transfer = 0.5;
+    desired.num_coordinates = model->num_coordinates;
+    desired.q.resize(static_cast<std::size_t>(model->num_coordinates));
+    desired.v = desired.a = desired.q;
+    return desired;
+  }
+
+  void send(Bytes bytes) { bus_.publish(channels_.desired, bytes.data(), static_cast<unsigned>(bytes.size())); }
+  void send(const desired_state_t& desired)
+  {
+    std::vector<std::byte> buffer;
+    send(encode(desired, buffer));
+  }
+
+  std::optional<model_info_t> model;
+  std::vector<torque_command_t> commands;
+  std::vector<rejection_t> rejections;
+  std::vector<status_t> statuses;
+
+private:
+  static void hear(const lcm::ReceiveBuffer* buffer, const std::string& channel, Bench* bench)
+  {
+    bench->keep(Bytes(static_cast<const std::byte*>(buffer->data), buffer->data_size), channel);
+  }
+
+  void keep(Bytes bytes, const std::string& channel)
+  {
+    bool decoded = true;
+    if (channel == channels_.command)
+      decoded = decode(bytes, commands.emplace_back());
+    else if (channel == channels_.rejected)
+      decoded = decode(bytes, rejections.emplace_back());
+    else if (channel == channels_.status)
+      decoded = decode(bytes, statuses.emplace_back());
+    else
+      decoded = decode(bytes, model.emplace());
+    undecoded_ += decoded ? 0 : 1;
+  }
+
+  Channels channels_;
+  TemporaryFolder folder_;
+  lcm::LCM bus_;
+  std::optional<Process> torqued_;
+
+public:
+  int undecoded_ = 0;
+};
+
+} // namespace
+
+TEST_CASE("each kind of bad sample gives one rejection with its reason, and the next good one is answered",
+          "[daemon_process]")
+{
+  for (const char* mode : {"--every-sample", "--log-level=info"})
+  {
+    Bench bench({mode});
+    struct Row
+    {
+      std::function<void(desired_state_t&, std::vector<std::byte>&)> damage;
+      int reason;
+    };
+    const auto encoded = [](const desired_state_t& desired, std::vector<std::byte>& bytes)
+    {
+      bytes.resize(static_cast<std::size_t>(desired.getEncodedSize()));
+      encode(desired, bytes);
+    };
+    const std::vector<Row> rows{
+        {[&](auto& d, auto& b) { encoded(d, b), b.resize(b.size() - 9); }, rejection_t::UNDECODABLE},
+        {[&](auto& d, auto& b) { encoded(d, b), b.push_back(std::byte{0}); }, rejection_t::UNDECODABLE},
+        {[&](auto& d, auto& b) { encoded(d, b), b[0] ^= std::byte{1}; }, rejection_t::UNDECODABLE},
+        {[&](auto&, auto& b) { b = {}; }, rejection_t::UNDECODABLE},
+        {[&](auto& d, auto& b)
+         {
+           d.num_coordinates = 8;
+           for (auto* vector : {&d.q, &d.v, &d.a})
+             vector->push_back(0.0);
+           encoded(d, b);
+         },
+         rejection_t::WRONG_SIZE},
+        {[&](auto& d, auto& b) { d.a[6] = NAN, encoded(d, b); }, rejection_t::NOT_FINITE},
+        {[&](auto& d, auto& b) { d.left_contact = 4, encoded(d, b); }, rejection_t::OUT_OF_RANGE},
+        {[&](auto& d, auto& b) { d.method = desired_state_t::CONSTRAINED, encoded(d, b); },
+         rejection_t::UNKNOWN_METHOD},
+        {[&](auto& d, auto& b) { d.model_id ^= 1, encoded(d, b); }, rejection_t::WRONG_MODEL},
+        {[&](auto& d, auto& b)
+         {
+           d.left_contact = d.right_contact = desired_state_t::NONE;
+           encoded(d, b);
+         },
+         rejection_t::NOT_SUPPORTED},
+        {[&](auto& d, auto& b)
+         {
+           d.right_contact = desired_state_t::NONE;
+           d.left_contact = desired_state_t::TOE;
+           encoded(d, b);
+         },
+         rejection_t::UNDER_ACTUATED},
+    };
+    for (const Row& row : rows)
+    {
+      CAPTURE(mode, row.reason);
+      const std::size_t rejections = bench.rejections.size();
+      const std::size_t commands = bench.commands.size();
+      desired_state_t bad = bench.standing();
+      std::vector<std::byte> bytes;
+      row.damage(bad, bytes);
+      bench.send(Bytes(bytes));
+      REQUIRE(bench.wait([&] { return bench.rejections.size() > rejections; }));
+      CHECK(bench.rejections.back().reason == row.reason);
+      CHECK_FALSE(bench.rejections.back().detail.empty());
+
+      const desired_state_t good = bench.standing();
+      bench.send(good);
+      REQUIRE(bench.wait([&] { return bench.commands.size() > commands; }));
+      CHECK(bench.commands.back().utime == good.utime);
+      CHECK(bench.rejections.size() == rejections + 1);
+      CHECK(bench.commands.size() == commands + 1);
+    }
+
+    // the status accounts for every one of them
+    const auto all = static_cast<std::int64_t>(2 * rows.size());
+    REQUIRE(bench.wait([&] { return !bench.statuses.empty() && bench.statuses.back().received == all; }));
+    CHECK(bench.statuses.back().answered == all / 2);
+    CHECK(bench.statuses.back().rejected == all / 2);
+    CHECK(bench.undecoded_ == 0);
+  }
+}
+
+TEST_CASE("SIGTERM and SIGINT end torqued cleanly, with STOPPING as its last status", "[daemon_process]")
+{
+  for (const int signal : {SIGTERM, SIGINT})
+  {
+    Bench bench;
+    bench.torqued().signal(signal);
+    CHECK(bench.wait([&] { return !bench.statuses.empty() && bench.statuses.back().state == status_t::STOPPING; }));
+    CHECK(bench.torqued().wait() == 0);
+  }
+}
+
+TEST_CASE("model and status are published unasked, and say which robot and which settings", "[daemon_process]")
+{
+  Bench bench({"--robot", "human-subject01", "--prefix", ""});
+  CHECK(bench.model->name == "human-subject01");
+  CHECK(bench.model->settings.find("robot = 'human-subject01'") != std::string::npos);
+  bench.model.reset();
+  REQUIRE(bench.wait([&] { return bench.model.has_value(); }));
+  CHECK(bench.statuses.size() >= 10);
+  CHECK(bench.statuses.back().model_id == bench.model->model_id);
+  CHECK(bench.statuses.back().settings_id == bench.model->settings_id);
+  CHECK(bench.statuses.back().state == status_t::WAITING);
+}
+
+TEST_CASE("a start that cannot succeed ends with one clear line and its exit code", "[daemon_process]")
+{
+  const TemporaryFolder folder;
+  struct Row
+  {
+    std::vector<std::string> arguments;
+    int code;
+    std::string says;
+  };
+  const std::vector<Row> rows{
+      {{"--nonsense"}, 64, "--nonsense"},
+      {{"--method", "constrained"},
+       64,
+       "torqued: --method: found \"constrained\"; expected one of: linear-transition\n"},
+      {{"--prefix", "a b"}, 64, "torqued: --prefix: found \"a b\"; expected at most 32 letters, digits, _, - or /\n"},
+      {{"--log-level", "loud"}, 64, "torqued: --log-level: found \"loud\""},
+      {{"--robot", "nobody"}, 78, "torqued: \"nobody\" is neither a robot that ships"},
+      {{"--robot", folder.write("r.toml", "name = 3")}, 78, "r.toml:1: name: found 3; expected a text in quotes\n"},
+      {{"--config", folder.write("c.toml", "\nmax_age = -1")},
+       78,
+       "c.toml:2: max_age: found -1; expected a positive number\n"},
+      {{"--config", folder.file("none.toml")}, 78, "none.toml: cannot be read: No such file or directory\n"},
+      {{"--lcm-url", "nothing://"}, 69, "torqued: the LCM bus cannot be opened: lcm_url is \"nothing://\""},
+  };
+  for (const Row& row : rows)
+  {
+    const auto [code, output] = run(row.arguments);
+    CAPTURE(row.says, output);
+    CHECK(code == row.code);
+    CHECK(output.find(row.says) != std::string::npos);
+  }
+}
+
+TEST_CASE("help, version and the printed configuration come without a bus", "[daemon_process]")
+{
+  const auto [help_code, help] = run({"--help"});
+  CHECK(help_code == 0);
+  for (const char* option : {"--robot", "--config", "--method", "--lcm-url", "--prefix", "--every-sample",
+                             "--log-level", "--version", "--print-config", "linear-transition"})
+    CHECK(help.find(option) != std::string::npos);
+  CHECK(help.find("constrained") == std::string::npos);
+  const auto [version_code, version] = run({"--version"});
+  CHECK(version_code == 0);
+  CHECK(version.starts_with("torqued 0."));
+
+  const TemporaryFolder folder;
+  const auto [code, printed] =
+      run({"--print-config", "--robot", "human-subject01", "--every-sample", "--prefix", "p_"});
+  CHECK(code == 0);
+  const auto [again_code, again] = run({"--print-config", "--config", folder.write("c.toml", printed)});
+  CHECK(again_code == 0);
+  CHECK(again == printed);
+  CHECK(printed.find("prefix = 'p_'") != std::string::npos);
+}

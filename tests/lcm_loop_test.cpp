@@ -1,0 +1,232 @@
+#include "catch.h"
+
+#include "daemon/lcm_loop.h"
+
+#include <memory>
+#include <spdlog/logger.h>
+#include <sys/eventfd.h>
+#include <unistd.h>
+
+using namespace torqued;
+
+namespace
+{
+
+// A loop and a listener on one bus inside this process.
+class Bench
+{
+public:
+  explicit Bench(const Config& config = {})
+      : channels_(config.prefix), log_("test"), loop_(bus_, robot_, config, log_, [] { return std::int64_t{5}; })
+  {
+    for (const std::string& channel : {channels_.command, channels_.rejected, channels_.status, channels_.model})
+      bus_.subscribeFunction(channel, &Bench::hear, this);
+  }
+
+  const Robot& robot() const { return robot_; }
+  LcmLoop& loop() { return loop_; }
+
+  desired_state_t standing(std::int64_t utime, std::int64_t stream_id = 1) const
+  {
+    desired_state_t desired{};
+    desired.utime = utime;
+    desired.stream_id = stream_id;
+    desired.left_contact = desired.right_contact = desired_state_t::SOLE;
+    desired.num_coordinates = robot_.num_angles();
+    desired.q.resize(7);
+    desired.v = desired.a = desired.q;
+    return desired;
+  }
+
+  void send(const desired_state_t& desired)
+  {
+    std::vector<std::byte> buffer;
+    send(encode(desired, buffer));
+  }
+  void send(Bytes bytes) { bus_.publish(channels_.desired, bytes.data(), static_cast<unsigned>(bytes.size())); }
+
+  // lets the loop work until it has nothing more to do, and this listener has heard all it said
+  void settle()
+  {
+    loop_.cycle(0.0);
+    while (bus_.handleTimeout(0) > 0)
+    {
+    }
+  }
+
+  std::vector<torque_command_t> commands;
+  std::vector<rejection_t> rejections;
+  std::vector<status_t> statuses;
+  std::vector<model_info_t> models;
+
+private:
+  static void hear(const lcm::ReceiveBuffer* buffer, const std::string& channel, Bench* bench)
+  {
+    bench->keep(Bytes(static_cast<const std::byte*>(buffer->data), buffer->data_size), channel);
+  }
+
+  void keep(Bytes bytes, const std::string& channel)
+  {
+    const auto add = [&](auto& list)
+    {
+      list.emplace_back();
+      REQUIRE(decode(bytes, list.back()));
+    };
+    if (channel == channels_.command)
+      add(commands);
+    else if (channel == channels_.rejected)
+      add(rejections);
+    else if (channel == channels_.status)
+      add(statuses);
+    else
+      add(models);
+  }
+
+  Channels channels_;
+  Robot robot_ = load_robot("ck");
+  lcm::LCM bus_{"memq://"};
+  spdlog::logger log_;
+  LcmLoop loop_;
+};
+
+Config every_sample()
+{
+  Config config;
+  config.every_sample = true;
+  return config;
+}
+
+std::vector<std::int64_t> utimes(const std::vector<torque_command_t>& commands)
+{
+  std::vector<std::int64_t> result;
+  for (const torque_command_t& command : commands)
+    result.push_back(command.utime);
+  return result;
+}
+
+} // namespace
+
+TEST_CASE("with every_sample each good sample is answered once, in order, after the bad ones are rejected",
+          "[lcm_loop]")
+{
+  Bench bench(every_sample());
+  std::vector<std::byte> buffer;
+  Bytes whole = encode(bench.standing(10), buffer);
+  bench.send(whole.first(whole.size() - 3));
+  bench.send(bench.standing(20));
+  desired_state_t unknown = bench.standing(30);
+  unknown.left_contact = 9;
+  bench.send(unknown);
+  bench.send(bench.standing(40));
+  bench.send(bench.standing(40));
+  bench.send(bench.standing(50, 2));
+  bench.settle();
+
+  CHECK(utimes(bench.commands) == std::vector<std::int64_t>{20, 40});
+  CHECK(bench.commands[0].sequence == 1);
+  CHECK(bench.commands[1].sequence == 2);
+  CHECK(bench.commands[0].model_id == bench.robot().model_id);
+  CHECK(bench.commands[0].method == desired_state_t::LINEAR_TRANSITION);
+  REQUIRE(bench.rejections.size() == 4);
+  CHECK(bench.rejections[0].reason == rejection_t::UNDECODABLE);
+  CHECK(bench.rejections[0].utime == 10);
+  CHECK(bench.rejections[1].reason == rejection_t::OUT_OF_RANGE);
+  CHECK(bench.rejections[1].utime == 30);
+  CHECK(bench.rejections[2].reason == rejection_t::OUT_OF_ORDER);
+  CHECK(bench.rejections[3].reason == rejection_t::OTHER_STREAM);
+  CHECK(bench.rejections[3].stream_id == 2);
+}
+
+TEST_CASE("newest wins: of the samples that wait only the last good one is answered", "[lcm_loop]")
+{
+  Bench bench;
+  for (std::int64_t utime = 1; utime <= 20; ++utime)
+    bench.send(bench.standing(utime));
+  desired_state_t bad = bench.standing(21);
+  bad.q[3] = NAN;
+  bench.send(bad);                   // does not supersede
+  bench.send(bench.standing(22, 9)); // another stream: does not either
+  bench.settle();
+  CHECK(utimes(bench.commands) == std::vector<std::int64_t>{20});
+  CHECK(bench.rejections.size() == 2);
+
+  // the next status accounts for all of them
+  usleep(110'000);
+  bench.settle();
+  REQUIRE_FALSE(bench.statuses.empty());
+  const status_t& status = bench.statuses.back();
+  CHECK(status.received == 22);
+  CHECK(status.answered == 1);
+  CHECK(status.rejected == 2);
+  CHECK(status.superseded == 19);
+  CHECK(status.conflicts == 1);
+  CHECK(status.last_reason == rejection_t::OTHER_STREAM);
+  CHECK(status.state == status_t::RUNNING);
+  CHECK(status.dropped_logs == 5);
+  CHECK(status.input_age_us >= 100'000);
+}
+
+TEST_CASE("a sample that took longer than max_age is stale, unless every sample is wanted", "[lcm_loop]")
+{
+  for (const bool every : {false, true})
+  {
+    Config config;
+    config.every_sample = every;
+    Bench bench(config);
+    bench.send(bench.standing(1'000'000));
+    bench.settle();
+    usleep(30'000);
+    bench.send(bench.standing(1'001'000));
+    bench.settle();
+    CHECK(bench.commands.size() == (every ? 2u : 1u));
+    CHECK(bench.rejections.size() == (every ? 0u : 1u));
+    if (!every)
+      CHECK(bench.rejections[0].reason == rejection_t::STALE);
+  }
+}
+
+TEST_CASE("the bus is proven, model and status come at the start, and STOPPING last", "[lcm_loop]")
+{
+  Config config;
+  config.prefix = "test/";
+  Bench bench(config);
+  CHECK(bench.loop().prove_bus());
+  bench.settle();
+  REQUIRE(bench.models.size() == 1);
+  CHECK(bench.models[0].name == "ck");
+  CHECK(bench.models[0].settings == to_toml(config));
+  REQUIRE(bench.statuses.size() >= 1);
+  CHECK(bench.statuses[0].state == status_t::WAITING);
+  CHECK(bench.statuses[0].input_age_us == -1);
+  CHECK(bench.statuses[0].instance_id == bench.models[0].instance_id);
+  CHECK(bench.statuses[0].instance_id != 0);
+
+  const int stop = eventfd(1, 0);
+  bench.loop().run(stop);
+  close(stop);
+  bench.settle();
+  const auto stopping = std::count_if(bench.statuses.begin(), bench.statuses.end(),
+                                      [](const status_t& status) { return status.state == status_t::STOPPING; });
+  CHECK(stopping == 1);
+}
+
+TEST_CASE("an answer that took longer than the deadline is marked late", "[lcm_loop]")
+{
+  Config config = every_sample();
+  config.deadline = 1e-9; // nothing is that fast
+  Bench bench(config);
+  bench.send(bench.standing(1));
+  bench.settle();
+  REQUIRE(bench.commands.size() == 1);
+  // the clock counts whole microseconds: an answer within the same one is in time
+  usleep(110'000);
+  bench.settle();
+  const bool late = (bench.commands[0].flags & torque_command_t::LATE) != 0;
+  CHECK(bench.statuses.back().late == (late ? 1 : 0));
+
+  config.deadline = 10.0;
+  Bench relaxed(config);
+  relaxed.send(relaxed.standing(1));
+  relaxed.settle();
+  CHECK((relaxed.commands[0].flags & torque_command_t::LATE) == 0);
+}

@@ -1,0 +1,271 @@
+#include "catch.h"
+#include "matchers.h"
+
+#include "planar/kinematics.h"
+#include "robot/robot.h"
+#include "robot/strict_toml.h"
+
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+using namespace torqued;
+
+namespace
+{
+
+const std::string& ck_text()
+{
+  static const std::string text(shipped_robot_toml("ck"));
+  return text;
+}
+
+// ck with one piece of its text replaced
+std::string changed(const std::string& from, const std::string& to)
+{
+  std::string text = ck_text();
+  const std::size_t at = text.find(from);
+  REQUIRE(at != std::string::npos);
+  return text.replace(at, from.size(), to);
+}
+
+int line_of(const std::string& text, const std::string& piece)
+{
+  const std::size_t at = text.find(piece);
+  REQUIRE(at != std::string::npos);
+  return 1 + static_cast<int>(std::count(text.begin(), text.begin() + static_cast<std::ptrdiff_t>(at), '\n'));
+}
+
+std::string complaint(const std::string& text)
+{
+  try
+  {
+    read_toml_robot(text, "r.toml");
+    return "";
+  }
+  catch (const FileError& error)
+  {
+    return error.what();
+  }
+}
+
+} // namespace
+
+TEST_CASE("every robot that ships loads, under its own name and with a source for its numbers", "[robot]")
+{
+  CHECK(shipped_robot_names().size() == 2);
+  for (const std::string_view name : shipped_robot_names())
+  {
+    const Robot robot = load_robot(std::string(name));
+    CHECK(robot.name == name);
+    CHECK_FALSE(robot.source.empty());
+    CHECK(robot.model_id != 0);
+    CHECK(robot.absolute_names == std::vector<std::string>{"q0", "q1", "q2", "q3", "q4", "q5", "q6"});
+    CHECK(robot.base_names == std::array<std::string, 2>{"xH", "zH"});
+    std::vector<std::string> joints;
+    for (const Actuator& actuator : robot.actuators)
+      joints.push_back(actuator.name);
+    CHECK(joints ==
+          std::vector<std::string>{"left_ankle", "left_knee", "left_hip", "right_hip", "right_knee", "right_ankle"});
+  }
+  CHECK(mismatch(load_robot("ck").mechanism.mass(), 45.0, 1e-14) == "");
+  CHECK(mismatch(load_robot("ck").leg_length, 0.79, 1e-14) == "");
+}
+
+TEST_CASE("relative coordinates are the actuators' angles, then the root's", "[robot]")
+{
+  const Robot robot = load_robot("ck");
+  MatrixQ A(7, 7);
+  A << -1, 1, 0, 0, 0, 0, 0, //
+      0, -1, 1, 0, 0, 0, 0,  //
+      0, 0, -1, 0, 0, 0, 1,  //
+      0, 0, 0, -1, 0, 0, 1,  //
+      0, 0, 0, 1, -1, 0, 0,  //
+      0, 0, 0, 0, 1, -1, 0,  //
+      0, 0, 0, 0, 0, 0, 1;
+  CHECK(mismatch(robot.A, A, 0.0) == "");
+  CHECK(mismatch(robot.b, Eigen::VectorXd::Zero(7), 0.0) == "");
+  CHECK(mismatch(robot.A * robot.A_inverse, Eigen::MatrixXd::Identity(7, 7), 1e-15) == "");
+  CHECK(robot.relative_names == std::vector<std::string>{"left_ankle", "left_knee", "left_hip", "right_hip",
+                                                         "right_knee", "right_ankle", "q6"});
+}
+
+TEST_CASE("human-subject01 has the numbers published with the measured walk", "[robot]")
+{
+  std::ifstream file(TRAJECTORIES "/subject01-walk/params.json");
+  REQUIRE(file);
+  const nlohmann::json params = nlohmann::json::parse(file);
+  const auto number = [&](const char* part, const char* key)
+  {
+    return params.at(part).at(key).get<double>();
+  };
+  const Robot robot = load_robot("human-subject01");
+  CHECK(robot.mechanism.gravity() == params.at("gravity").get<double>());
+  CHECK(mismatch(robot.mechanism.mass(), params.at("mass_total").get<double>(), 1e-6) == "");
+  CHECK(mismatch(robot.leg_length, number("shin", "l1") + number("thigh", "l2"), 1e-15) == "");
+  for (const Link& link : robot.links)
+  {
+    CAPTURE(link.name);
+    const bool foot = link.name.ends_with("foot");
+    const bool trunk = link.name == "trunk";
+    const char* part = foot ? "foot" : trunk ? "trunk" : link.name.ends_with("shin") ? "shin" : "thigh";
+    CHECK(link.mass == number(part, "m"));
+    CHECK(link.inertia == number(part, "I_com"));
+    const Eigen::Vector2d com = foot    ? Eigen::Vector2d(number(part, "s_x"), -number(part, "s_z"))
+                                : trunk ? Eigen::Vector2d(0.0, number(part, "s3_from_hip"))
+                                : link.name.ends_with("shin") ? Eigen::Vector2d(0.0, -number(part, "s1_from_knee"))
+                                                              : Eigen::Vector2d(0.0, -number(part, "s2_from_hip"));
+    CHECK(mismatch(link.com, com, 0.0) == "");
+  }
+  for (const Foot& foot : robot.feet)
+  {
+    CHECK(foot.ankle_height() == number("foot", "h_p"));
+    CHECK(foot.heel_x() == -number("foot", "l_p"));
+    CHECK(mismatch(foot.toe_x() - foot.heel_x(), number("foot", "L_p"), 1e-15) == "");
+  }
+}
+
+TEST_CASE("the model id changes with what is computed, and not with what is drawn or said", "[robot]")
+{
+  const std::int64_t id = load_robot("ck").model_id;
+  const auto id_of = [](const std::string& text)
+  {
+    return read_toml_robot(text, "r.toml").model_id;
+  };
+  CHECK(id_of(ck_text()) == id);
+  CHECK(id_of("# a comment\n" + ck_text()) == id);
+  CHECK(id_of(changed("name = \"ck\"", "name = \"other\"")) == id);
+  CHECK(id_of(changed("width = 0.12", "width = 0.2")) == id);
+  for (const auto& [from, to] : std::vector<std::pair<std::string, std::string>>{
+           {"gravity = 9.81", "gravity = 9.82"},
+           {"mass = 29.2", "mass = 29.200000000000003"},
+           {"com = [0.0, 0.19]", "com = [1e-9, 0.19]"},
+           {"inertia = 0.81", "inertia = 0.82"},
+           {"at = [0.0, -0.39]", "at = [0.0, -0.391]"},
+           {"torque_limit = 150.0", "torque_limit = 151.0"},
+           {"torque_limit = 150.0", "torque_limit = 150.0\nrate_limit = 1e5"},
+           {"torque_limit = 150.0", "torque_limit = 150.0\noffset = 0.1"},
+           {"friction = 0.6", "friction = 0.61"},
+           {"toe = [0.15, -0.065]", "toe = [0.16, -0.065]"},
+           {"coordinate = \"q0\"", "coordinate = \"left_foot\""},
+           {"base = [\"xH\", \"zH\"]", "base = [\"x\", \"z\"]"}})
+  {
+    CAPTURE(from, to);
+    CHECK(id_of(changed(from, to)) != id);
+  }
+}
+
+TEST_CASE("a bad robot file is refused with file, line, key and what would be right", "[robot]")
+{
+  struct Row
+  {
+    std::string from, to, at, message; // at: the piece of text on whose line the complaint is
+  };
+  const std::vector<Row> rows{
+      {"mass = 29.2", "mass = -29.2", "mass = -29.2",
+       "link 'trunk': mass: found -29.2; expected a number that is not negative"},
+      {"mass = 29.2", "mass = nan", "mass = nan", "link 'trunk': mass: found nan; expected a finite number"},
+      {"mass = 29.2", "mass = inf", "mass = inf", "link 'trunk': mass: found inf; expected a finite number"},
+      {"mass = 29.2", "mass = \"29.2 kg\"", "29.2 kg", "link 'trunk': mass: found '29.2 kg'; expected a number"},
+      {"mass = 29.2", "mass = 1,5", "mass = 1,5", "not TOML"},
+      {"mass = 29.2", "mass = 1kg", "mass = 1kg", "not TOML"},
+      {"mass = 29.2\n", "", "[[link]]\nname = \"trunk\"", "link 'trunk': mass: is missing; expected a number"},
+      {"mass = 29.2", "mass = 29.2\nmasss = 1.0", "masss",
+       "link 'trunk': masss: is not known here; known are: base, com,"},
+      {"inertia = 0.81", "inertia = -0.81", "-0.81", "link 'trunk': inertia: found -0.81"},
+      {"com = [0.0, 0.19]", "com = [0.0, 0.19, 0.0]", "0.19, 0.0]", "link 'trunk': com: found"},
+      {"com = [0.0, 0.19]", "com = 0.19", "com = 0.19", "expected two numbers, [x, z]"},
+      {"joint = \"floating\"", "joint = \"rolling\"", "rolling",
+       "found \"rolling\"; expected one of: floating, revolute, fixed"},
+      {"joint = \"floating\"", "joint = \"fixed\"\nparent = \"left_thigh\"\nat = [0.0, 0.0]", "base = [",
+       "base: is not known here"},
+      {"name = \"trunk\"", "name = \"left_foot\"", "[[link]]\nname = \"left_foot\"\njoint = \"floating\"",
+       "two links are called \"left_foot\""},
+      {"parent = \"trunk\"", "parent = \"trunc\"", "[[link]]\nname = \"left_thigh\"",
+       "parent \"trunc\" is not the name of a link"},
+      {"parent = \"trunk\"", "parent = \"left_foot\"", "[[link]]\nname = \"left_foot\"",
+       "link 'left_foot' does not hang on the root"},
+      {"name = \"ck\"", "name = \"a robot\"", "a robot", "name: found \"a robot\"; expected 1 to 32 letters"},
+      {"name = \"ck\"\n", "", "# A planar", "name: is missing; expected a text"},
+      {"gravity = 9.81", "gravity = 0", "gravity = 0", "gravity: found 0; expected a positive number"},
+      {"gravity = 9.81", "gravity = true", "gravity = true", "gravity: found true; expected a number"},
+      {"on = \"left_shin\"", "on = \"left_toe\"", "[[actuator]]\nname = \"left_ankle\"",
+       "actuator 'left_ankle': on \"left_toe\" is not the name"},
+      {"against = \"left_foot\"", "against = \"left_shin\"", "[[actuator]]\nname = \"left_ankle\"",
+       "do not turn against each other"},
+      {"torque_limit = 150.0", "torque_limit = -1", "torque_limit = -1", "torque_limit: found -1"},
+      {"torque_limit = 150.0", "rotor_inertia = 0.1", "rotor_inertia",
+       "actuator 'left_ankle': rotor_inertia: is not known"},
+      {"name = \"left_knee\"\non = \"left_thigh\"\nagainst = \"left_shin\"",
+       "name = \"left_knee\"\non = \"left_shin\"\nagainst = \"left_foot\"", "[[actuator]]\nname = \"right_ankle\"",
+       "the actuators do not reach every link"},
+      {"[[actuator]]\nname = \"left_ankle\"\non = \"left_shin\"\nagainst = \"left_foot\"\ntorque_limit = 150.0\n", "",
+       "[[actuator]]\nname = \"right_ankle\"", "there are 5 actuators for 7 links that turn"},
+      {"name = \"left_knee\"", "name = \"left_ankle\"", "# A planar", "two actuators are called \"left_ankle\""},
+      {"coordinate = \"q1\"", "coordinate = \"q0\"", "# A planar", "two absolute coordinates are called \"q0\""},
+      {"coordinate = \"q1\"", "coordinate = \"xH\"", "# A planar", "two absolute coordinates are called \"xH\""},
+      {"base = [\"xH\", \"zH\"]", "base = [\"xH\"]", "base = [", "base: found"},
+      {"side = \"right\"", "side = \"left\"", "[[foot]]\nside = \"left\"\nlink = \"right_foot\"",
+       "there is a second left foot"},
+      {"side = \"left\"", "side = \"middle\"", "middle", "expected one of: left, right"},
+      {"link = \"left_foot\"", "link = \"left_hand\"", "[[foot]]\nside = \"left\"",
+       "left foot: link \"left_hand\" is not the name of a link"},
+      {"toe = [0.15, -0.065]\n", "", "[[foot]]\nside = \"left\"", "left foot: toe: is missing"},
+      {"toe = [0.15, -0.065]", "toe = [0.15, -0.06]", "[[foot]]\nside = \"left\"",
+       "the toe must lie before the heel and as high as it"},
+      {"toe = [0.15, -0.065]", "toe = [-0.15, -0.065]", "[[foot]]\nside = \"left\"",
+       "the toe must lie before the heel"},
+      {"friction = 0.6", "friction = -0.6", "friction = -0.6", "friction: found -0.6"},
+      {"friction = 0.6\n", "", "[[foot]]\nside = \"left\"", "left foot: friction: is missing"},
+      {"width = 0.12", "width = 0.12, height = 1", "height", "link 'trunk': draw 1: height: is not known here"},
+  };
+  for (const Row& row : rows)
+  {
+    const std::string text = changed(row.from, row.to);
+    const std::string found = complaint(text);
+    CAPTURE(row.from, row.to, found);
+    CHECK(found.find(row.message) != std::string::npos);
+    CHECK(found.starts_with(fmt::format("r.toml:{}:", line_of(text, row.at))));
+  }
+}
+
+TEST_CASE("a file that is no robot at all is refused", "[robot]")
+{
+  CHECK(complaint("") == "r.toml:1: name: is missing; expected a text");
+  CHECK(complaint("name = \"x\"\n").find("there is no [[link]]") != std::string::npos);
+  CHECK(complaint(std::string("name = \"\0\"", 10)).find("not TOML") != std::string::npos);
+  CHECK(complaint("link = 3\nname = \"x\"").find("link: found 3; expected tables, [[link]]") != std::string::npos);
+
+  std::string many = "name = \"many\"\n[[link]]\nname = \"l0\"\njoint = \"floating\"\nmass = 1\ninertia = 1\n";
+  for (int i = 1; i < 20; ++i)
+    many += fmt::format(
+        "[[link]]\nname = \"l{}\"\nparent = \"l{}\"\njoint = \"revolute\"\nat = [0, 0]\nmass = 1\ninertia = 1\n", i,
+        i - 1);
+  CHECK(complaint(many).find("link 'l14' is one angle too many; at most 14 links may turn") != std::string::npos);
+
+  try
+  {
+    load_robot("no-such-robot");
+    FAIL("loaded");
+  }
+  catch (const FileError& error)
+  {
+    CHECK(std::string(error.what()) ==
+          "\"no-such-robot\" is neither a robot that ships (ck, human-subject01) nor a .toml file");
+  }
+  CHECK_THROWS_AS(load_robot("/no/such/file.toml"), FileError);
+  CHECK_THROWS_AS(load_robot("/tmp/.toml"), FileError);
+}
+
+TEST_CASE("without actuators in the file each link that turns is driven against its parent", "[robot]")
+{
+  std::string text = ck_text();
+  const std::size_t first = text.find("[[actuator]]");
+  const std::size_t feet = text.find("[[foot]]");
+  text.erase(first, feet - first);
+  const Robot robot = read_toml_robot(text, "r.toml");
+  REQUIRE(robot.num_joints() == 6);
+  CHECK(robot.actuators[0].name == "left_foot");
+  CHECK(robot.A(0, 0) == 1.0);
+  CHECK(robot.A(0, 1) == -1.0);
+  CHECK(std::isinf(robot.actuators[0].torque_limit));
+}

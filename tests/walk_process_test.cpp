@@ -1,0 +1,109 @@
+#include "catch.h"
+#include "process.h"
+#include "temporary_folder.h"
+
+#include "client/files.h"
+#include "client/lcm_log.h"
+#include "wire/codec.h"
+
+#include <algorithm>
+
+using namespace torqued;
+
+namespace
+{
+
+const std::string kWalk = TRAJECTORIES "/subject01-walk/walk.csv";
+
+int torquectl(std::vector<std::string> arguments, const std::string& output)
+{
+  arguments.insert(arguments.begin(), TORQUECTL);
+  Process process(arguments, output);
+  return process.wait().value_or(-1000);
+}
+
+std::vector<torque_command_t> commands(const std::string& log)
+{
+  std::vector<torque_command_t> result;
+  const std::string bytes = read_file(log);
+  LogReader reader(bytes);
+  while (const auto record = reader.next())
+    if (record->channel == Channels().command)
+      REQUIRE(decode(record->data, result.emplace_back()));
+  return result;
+}
+
+std::size_t desired_states(const std::string& log)
+{
+  const std::string bytes = read_file(log);
+  LogReader reader(bytes);
+  std::size_t count = 0;
+  while (const auto record = reader.next())
+    count += record->channel == Channels().desired ? 1 : 0;
+  return count;
+}
+
+// the fields that the line computes, without those that the loop fills in
+std::vector<std::byte> computed(torque_command_t command)
+{
+  command.sequence = 0;
+  command.compute_ns = 0;
+  command.flags &= ~torque_command_t::LATE;
+  std::vector<std::byte> bytes;
+  encode(command, bytes);
+  return bytes;
+}
+
+} // namespace
+
+TEST_CASE("a walk through the daemon is answered sample for sample, and evaluated offline it gives the same bits",
+          "[walk_process]")
+{
+  const TemporaryFolder folder;
+  const std::string log = folder.file("walk.lcm");
+  Process torqued({TORQUED, "--robot", "human-subject01", "--every-sample"}, folder.file("torqued"));
+  Process logger({"lcm-logger", "--force", log}, folder.file("logger"));
+  const auto size = [](const std::string& file)
+  {
+    std::error_code none;
+    const auto bytes = std::filesystem::file_size(file, none);
+    return none ? 0 : bytes;
+  };
+  // the logger has heard the daemon: both are on the bus
+  for (int i = 0; i < 1000 && size(log) == 0; ++i)
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+
+  const int sent = torquectl({"send", kWalk, "--speed", "2"}, folder.file("send"));
+  CAPTURE(read_file(folder.file("send")));
+  CHECK(sent == 0);
+  torqued.signal(SIGTERM);
+  CHECK(torqued.wait() == 0);
+  // the logger writes what it has heard within a second
+  for (int i = 0; i < 500 && desired_states(log) < 447; ++i)
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  logger.signal(SIGTERM);
+  logger.wait();
+
+  const std::vector<torque_command_t> live = commands(log);
+  REQUIRE(live.size() == 447);
+  for (std::size_t i = 0; i < live.size(); ++i)
+    REQUIRE(live[i].sequence == static_cast<std::int64_t>(i) + 1);
+
+  const std::string again = folder.file("again.lcm");
+  const int evaluated = torquectl({"eval", log, "--robot", "human-subject01", "-o", again}, folder.file("eval"));
+  CAPTURE(read_file(folder.file("eval")));
+  REQUIRE(evaluated == 0);
+  const std::vector<torque_command_t> offline = commands(again);
+  REQUIRE(offline.size() == live.size());
+  for (std::size_t i = 0; i < live.size(); ++i)
+  {
+    CAPTURE(i);
+    CHECK(computed(live[i]) == computed(offline[i]));
+  }
+
+  // the exported table has a row for each sample of the walk
+  const std::string csv = folder.file("walk.csv");
+  REQUIRE(torquectl({"export", log, "-o", csv}, folder.file("export")) == 0);
+  const std::string table = read_file(csv);
+  CHECK(std::count(table.begin(), table.end(), '\n') >= 448);
+}
