@@ -1,0 +1,133 @@
+#include "client/bus.h"
+
+#include "client/failure.h"
+
+#include <algorithm>
+#include <cstdint>
+#include <cstdlib>
+#include <fmt/format.h>
+#include <poll.h>
+#include <time.h>
+#include <utility>
+
+namespace torqued
+{
+
+namespace
+{
+
+volatile sig_atomic_t stop_signal = 0;
+
+// Lets SIGINT and SIGTERM through only while wait() waits, in this thread and in those that LCM starts: so none is
+// missed between a look at stopped() and the next wait.
+sigset_t hold_back_stop_signals()
+{
+  struct sigaction action
+  {
+  };
+  action.sa_handler = [](int signal)
+  {
+    stop_signal = signal;
+  };
+  sigaction(SIGINT, &action, nullptr);
+  sigaction(SIGTERM, &action, nullptr);
+
+  sigset_t stop_signals;
+  sigset_t mask_before;
+  sigemptyset(&stop_signals);
+  sigaddset(&stop_signals, SIGINT);
+  sigaddset(&stop_signals, SIGTERM);
+  pthread_sigmask(SIG_BLOCK, &stop_signals, &mask_before);
+  sigdelset(&mask_before, SIGINT);
+  sigdelset(&mask_before, SIGTERM);
+  return mask_before;
+}
+
+// which bus was meant, and who said so
+std::string bus_name(const std::string& url)
+{
+  if (!url.empty())
+    return fmt::format("--lcm-url \"{}\"", url);
+  if (const char* preset = std::getenv("LCM_DEFAULT_URL"))
+    return fmt::format("LCM_DEFAULT_URL \"{}\"", preset);
+  return "LCM's own default; neither --lcm-url nor LCM_DEFAULT_URL is set";
+}
+
+} // namespace
+
+Bus::Bus(const std::string& url) : mask_while_waiting_(hold_back_stop_signals()), name_(bus_name(url)), lcm_(url)
+{
+  if (!lcm_.good())
+    throw Failure(ExitCode::no_bus, fmt::format("the LCM bus cannot be opened ({})", name_));
+}
+
+void Bus::subscribe(const std::string& channel, Handler handler)
+{
+  constexpr int queue = 10'000;
+  Subscription& subscription = subscriptions_.emplace_back(Subscription{*this, channel, std::move(handler)});
+  lcm_.subscribeFunction(channel, &Subscription::receive, &subscription)->setQueueCapacity(queue);
+}
+
+void Bus::Subscription::receive(const lcm::ReceiveBuffer* buffer, const std::string& channel,
+                                Subscription* subscription) noexcept
+try
+{
+  // LCM takes channel names for regular expressions
+  if (channel == subscription->channel)
+    subscription->handler({static_cast<const std::byte*>(buffer->data), buffer->data_size});
+}
+catch (...)
+{
+  // nothing may leave a handler: LCM would abort the process at its next call
+  subscription->bus.thrown_ = std::current_exception();
+}
+
+void Bus::publish(const std::string& channel, Bytes message)
+{
+  if (lcm_.publish(channel, message.data(), static_cast<unsigned int>(message.size())) != 0)
+    throw Failure(ExitCode::no_bus, fmt::format("the LCM bus takes no message ({})", name_));
+}
+
+void Bus::wait(Clock::time_point deadline)
+{
+  const auto left = std::max(deadline - Clock::now(), Clock::duration::zero());
+  const auto seconds = std::chrono::duration_cast<std::chrono::seconds>(left);
+  const auto nanoseconds = std::chrono::duration_cast<std::chrono::nanoseconds>(left - seconds);
+  const timespec timeout{static_cast<time_t>(seconds.count()), static_cast<long>(nanoseconds.count())};
+  pollfd fd{lcm_.getFileno(), POLLIN, 0};
+  if (ppoll(&fd, 1, &timeout, &mask_while_waiting_) <= 0)
+    return;
+  if (lcm_.handle() != 0)
+    throw Failure(ExitCode::no_bus, fmt::format("the LCM bus cannot be read any more ({})", name_));
+  if (thrown_)
+    std::rethrow_exception(std::exchange(thrown_, nullptr));
+}
+
+bool Bus::stopped() const
+{
+  return stop_signal != 0;
+}
+
+bool Bus::wait_for_model(const Channels& channels)
+{
+  const auto hear = [this](Bytes bytes)
+  {
+    model_info_t model;
+    if (decode(bytes, model))
+      model_ = std::move(model);
+  };
+  subscribe(channels.model, hear);
+  constexpr std::chrono::seconds patience{5};
+  const auto deadline = Clock::now() + patience;
+  while (!model_ && !stopped() && Clock::now() < deadline)
+    wait(deadline);
+  if (!model_ && !stopped())
+    throw Failure(
+        ExitCode::no_bus,
+        fmt::format("no daemon has said on {} within {} s which robot it computes; is torqued running on this bus "
+                    "({}), with the same --prefix?",
+                    channels.model, patience.count(), name_));
+  return !stopped();
+}
+
+} // namespace torqued

@@ -1,0 +1,172 @@
+#include "client/answer_table.h"
+#include "client/files.h"
+#include "client/lcm_log.h"
+#include "client/subcommands.h"
+#include "client/tally.h"
+#include "client/trajectory.h"
+
+#include <CLI/CLI.hpp>
+
+#include <fmt/format.h>
+#include <memory>
+#include <optional>
+
+namespace torqued
+{
+
+namespace
+{
+
+struct Options
+{
+  std::string file, out, robot, config, method, prefix;
+  bool differentiate = false;
+};
+
+// Writes answers as rows of a CSV, or as the messages that the daemon would publish.
+class AnswerWriter
+{
+public:
+  AnswerWriter(const std::string& path, const Robot& robot, const Channels& channels)
+      : channels_(channels), num_joints_(robot.actuators.size())
+  {
+    if (path.ends_with(".lcm"))
+    {
+      log_.emplace(path);
+      return;
+    }
+    std::vector<std::string> joint_names;
+    for (const Actuator& actuator : robot.actuators)
+      joint_names.push_back(actuator.name);
+    csv_.emplace(path);
+    write_row("utime", answer_columns(joint_names));
+  }
+
+  void write(const torque_command_t& command)
+  {
+    if (log_)
+      log_->write(channels_.command, command.utime, encode(command, buffer_));
+    else
+      write_row(fmt::format("{}", command.utime), answer_cells(command));
+  }
+
+  void write(const rejection_t& rejection)
+  {
+    if (log_)
+      log_->write(channels_.rejected, rejection.utime, encode(rejection, buffer_));
+    else
+      write_row(fmt::format("{}", rejection.utime), rejected_cells(num_joints_, reason_name(rejection.reason)));
+  }
+
+  void close()
+  {
+    if (log_)
+      log_->close();
+    else
+      csv_->close();
+  }
+
+private:
+  void write_row(const std::string& utime, std::vector<std::string> cells)
+  {
+    cells.insert(cells.begin(), utime);
+    csv_->write(csv_line(cells));
+  }
+
+  const Channels& channels_;
+  std::size_t num_joints_;
+  std::optional<OutputFile> csv_;
+  std::optional<LogWriter> log_;
+  std::vector<std::byte> buffer_;
+};
+
+// the daemon's line for one desired state after another: bytes, checked state, answer or refusal
+Tally answer_all(const Robot& robot, const AnswerSettings& settings, const Trajectory& trajectory, AnswerWriter& writer)
+{
+  const std::int64_t id = settings_id(settings);
+  StreamMemory memory;
+  Tally tally;
+  torque_command_t command{};
+  rejection_t rejection{};
+  std::vector<std::byte> buffer;
+  flush_denormals();
+  for (std::size_t i = 0; i < trajectory.states.size(); ++i)
+  {
+    const Bytes bytes = encode(trajectory.states[i], buffer);
+    const Result<DesiredState> desired = decode_desired_state(bytes, robot);
+    const Refusal* refusal = std::get_if<Refusal>(&desired);
+    const Result<Answer> answered =
+        refusal ? Result<Answer>(*refusal) : answer(robot, settings, std::get<DesiredState>(desired), memory);
+    refusal = std::get_if<Refusal>(&answered);
+    if (refusal)
+    {
+      fill(rejection, read_sender(bytes), *refusal);
+      tally.reject(rejection.reason, fmt::format("{}: {}", trajectory.place(i), rejection.detail));
+      writer.write(rejection);
+    }
+    else
+    {
+      fill(command, std::get<Answer>(answered), robot.model_id, id);
+      command.sequence = ++tally.answered;
+      writer.write(command);
+    }
+  }
+  return tally;
+}
+
+ExitCode eval(const Options& options)
+{
+  if (!options.out.ends_with(".csv") && !options.out.ends_with(".lcm"))
+    throw Failure(ExitCode::usage,
+                  fmt::format("-o: found \"{}\"; expected a name that ends in .csv or .lcm", options.out));
+  require_other_file(options.file, options.out);
+  Config config = options.config.empty() ? Config() : read_config(options.config);
+  if (!options.robot.empty())
+    config.robot = options.robot;
+  set_flag("--method", set_method, config, options.method);
+  set_flag("--prefix", set_prefix, config, options.prefix);
+  const Robot robot = load_robot(config.robot);
+  const Channels channels(config.prefix);
+
+  const Trajectory trajectory =
+      parse_trajectory(read_file(options.file), options.file, coordinate_names(robot), options.differentiate, channels);
+  for (const std::string& line : notes(trajectory, robot.name, robot.model_id))
+    note(line);
+
+  AnswerWriter writer(options.out, robot, channels);
+  const Tally tally = answer_all(robot, config.answers, trajectory, writer);
+  writer.close();
+  fmt::print("{} desired states for {}: {}\n{}", trajectory.states.size(), robot.name, tally.summary(),
+             tally.first_of_each());
+  return ExitCode::done;
+}
+
+} // namespace
+
+Subcommand add_eval(CLI::App& torquectl)
+{
+  const auto options = std::make_shared<Options>();
+  CLI::App* app = torquectl.add_subcommand("eval", "answer a trajectory without a bus: the same bits as the daemon's");
+  app->add_option("FILE", options->file, "a trajectory CSV, or an LCM log of desired states")
+      ->type_name("")
+      ->required();
+  app->add_option("-o,--output", options->out,
+                  "where the answers go: .csv, one row each, or .lcm, the messages the daemon would publish")
+      ->type_name("OUT")
+      ->required();
+  add_robot_option(*app, options->robot, "default: ck");
+  app->add_option("--config", options->config, "the daemon's configuration file; flags win")->type_name("FILE");
+  add_method_option(*app, options->method, "how double support is resolved where a desired state does not say");
+  add_prefix_option(*app, options->prefix);
+  app->add_flag("--differentiate", options->differentiate,
+                "find the derivatives by a spline through the samples; CSV only");
+  app->footer(
+      "Example, in the source directory:\n"
+      "  torquectl eval client/trajectories/subject01-walk/walk.csv --robot human-subject01 -o /tmp/answers.csv");
+  return {app, [options]
+          {
+            return eval(*options);
+          }};
+}
+
+} // namespace torqued

@@ -1,0 +1,40 @@
+/// Files that torquectl reads and writes, of any size.
+#pragma once
+
+#include <cstdio>
+#include <string>
+#include <string_view>
+
+namespace torqued
+{
+
+/// A file's bytes. Throws Failure, bad_data, if it cannot be read.
+std::string read_file(const std::string& path);
+
+/// A file that is written from its beginning; "-" is the standard output. Throws Failure, failed, with the file's name
+/// and the reason.
+class OutputFile
+{
+public:
+  explicit OutputFile(const std::string& path);
+  ~OutputFile();
+  OutputFile(const OutputFile&) = delete;
+  OutputFile& operator=(const OutputFile&) = delete;
+
+  void write(std::string_view text);
+  /// Hands on what has been written so far.
+  void flush();
+  /// Makes sure that all has been written; a file that is not closed this way may be incomplete.
+  void close();
+
+private:
+  [[noreturn]] void fail() const;
+
+  std::string path_;
+  std::FILE* file_;
+};
+
+/// Refuses to write over what is read: throws Failure, usage, if both are the same file.
+void require_other_file(const std::string& input, const std::string& output);
+
+} // namespace torqued

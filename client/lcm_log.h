@@ -1,0 +1,68 @@
+/// Recorded LCM traffic, as lcm-logger writes it.
+#pragma once
+
+#include "wire/codec.h"
+
+#include <lcm/lcm-cpp.hpp>
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+
+namespace torqued
+{
+
+/// One recorded message. The views live as long as the bytes that are read.
+struct LogRecord
+{
+  std::int64_t number;    ///< as the logger counted, from 0
+  std::int64_t timestamp; ///< µs
+  std::string_view channel;
+  Bytes data;
+};
+
+/// Reads the records of a log one after another.
+///
+/// liblcm's own reader ends at the first damaged record and trusts lengths; this one looks for the next whole record
+/// and counts what it passed over. A logger that was killed leaves a cut record at the end.
+class LogReader
+{
+public:
+  /// Whether bytes begin as a log does, whatever the file is called.
+  static bool is_log(std::string_view bytes);
+
+  /// The bytes must outlive the reader.
+  explicit LogReader(std::string_view bytes) : bytes_(bytes) {}
+
+  /// The next whole record; nothing at the end.
+  std::optional<LogRecord> next();
+  /// Bytes so far that belong to no whole record.
+  std::size_t skipped() const { return skipped_; }
+
+private:
+  std::uint64_t number_at(std::size_t offset, std::size_t width) const;
+
+  std::string_view bytes_;
+  std::size_t at_ = 0;
+  std::size_t skipped_ = 0;
+};
+
+/// Writes a log. Throws Failure, failed, with the file's name and the reason.
+class LogWriter
+{
+public:
+  explicit LogWriter(const std::string& path);
+
+  void write(const std::string& channel, std::int64_t timestamp, Bytes data);
+  /// Makes sure that all has been written; a log that is not closed this way may be incomplete.
+  void close();
+
+private:
+  [[noreturn]] void fail() const;
+
+  std::string path_;
+  lcm::LogFile log_;
+};
+
+} // namespace torqued

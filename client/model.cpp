@@ -1,0 +1,157 @@
+#include "client/subcommands.h"
+#include "robot/strict_toml.h"
+
+#include <CLI/CLI.hpp>
+
+#include <cmath>
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <memory>
+#include <string>
+
+namespace torqued
+{
+
+namespace
+{
+
+struct Options
+{
+  std::string robot = "ck";
+  bool list = false, toml = false;
+};
+
+std::string_view name_of(JointKind joint)
+{
+  switch (joint)
+  {
+  case JointKind::floating: return "floating";
+  case JointKind::revolute: return "revolute";
+  case JointKind::fixed: return "fixed";
+  }
+  return "unknown";
+}
+
+std::string point(const Eigen::Vector2d& at)
+{
+  return fmt::format("({:.4g}, {:.4g})", at.x(), at.y());
+}
+
+std::string limit(double value, std::string_view unit)
+{
+  return std::isfinite(value) ? fmt::format("{:g} {}", value, unit) : std::string("none");
+}
+
+// row i of q_relative = A q_absolute + b, what is added before what is subtracted: "q2 - q1 + 1.5708"
+std::string formula(const Robot& robot, int i)
+{
+  std::string text;
+  const auto add = [&text](double factor, const std::string& of)
+  {
+    text += text.empty() ? (factor < 0.0 ? "-" : "") : (factor < 0.0 ? " - " : " + ");
+    const double size = std::abs(factor);
+    text += of.empty() ? fmt::format("{:g}", size) : size == 1.0 ? of : fmt::format("{:g} {}", size, of);
+  };
+  for (const bool negative : {false, true})
+    for (int j = 0; j < robot.num_angles(); ++j)
+      if (const double factor = robot.A(i, j); factor != 0.0 && (factor < 0.0) == negative)
+        add(factor, robot.absolute_names[static_cast<std::size_t>(j)]);
+  if (robot.b(i) != 0.0)
+    add(robot.b(i), "");
+  return text;
+}
+
+const std::string& link_name(const Robot& robot, int link)
+{
+  static const std::string world = "world";
+  return link < 0 ? world : robot.links[static_cast<std::size_t>(link)].name;
+}
+
+void print_links(const Robot& robot)
+{
+  fmt::print("\nlinks: x forward, z up in the link's frame, at its joint to the parent\n"
+             "  {:<16} {:<16} {:<9} {:<18} {:>8}  {:<18} {:>12}\n",
+             "name", "parent", "joint", "at (m)", "mass kg", "com (m)", "inertia kg m²");
+  for (const Link& link : robot.links)
+    fmt::print("  {:<16} {:<16} {:<9} {:<18} {:>8.4g}  {:<18} {:>12.4g}\n", link.name, link_name(robot, link.parent),
+               name_of(link.joint), point(link.at), link.mass, point(link.com), link.inertia);
+}
+
+void print_coordinates(const Robot& robot)
+{
+  fmt::print("\nABSOLUTE coordinates: angles against the world, rad, counter-clockwise\n");
+  for (const Link& link : robot.links)
+    if (link.coordinate >= 0)
+      fmt::print("  {} = angle of {}\n", robot.absolute_names[static_cast<std::size_t>(link.coordinate)], link.name);
+  fmt::print("RELATIVE coordinates\n");
+  for (int i = 0; i < robot.num_angles(); ++i)
+    fmt::print("  {} = {}\n", robot.relative_names[static_cast<std::size_t>(i)], formula(robot, i));
+  if (robot.mechanism.floating())
+    fmt::print("base point: {}, m\n", fmt::join(robot.base_names, ", "));
+}
+
+void print_actuators(const Robot& robot)
+{
+  fmt::print("\nactuators: a positive torque turns `on` counter-clockwise and pushes back on `against`\n"
+             "  {:<16} {:<16} {:<16} {:<14} {}\n",
+             "name", "on", "against", "torque limit", "rate limit");
+  for (const Actuator& actuator : robot.actuators)
+    fmt::print("  {:<16} {:<16} {:<16} {:<14} {}\n", actuator.name, link_name(robot, actuator.on),
+               link_name(robot, actuator.against), limit(actuator.torque_limit, "N m"),
+               limit(actuator.rate_limit, "N m/s"));
+}
+
+void print_feet(const Robot& robot)
+{
+  fmt::print("\nfeet: points in the link's frame, m\n  {:<6} {:<16} {:<20} {:<20} {:<20} {}\n", "side", "link", "ankle",
+             "heel", "toe", "friction");
+  for (const Foot& foot : robot.feet)
+    fmt::print("  {:<6} {:<16} {:<20} {:<20} {:<20} {:g}{}\n", name_of(foot.side), link_name(robot, foot.link),
+               point(foot.ankle_at), point(foot.heel_at), point(foot.toe_at), foot.friction,
+               foot.has_sole() ? "" : "  (no extent: cannot stand on a sole)");
+}
+
+ExitCode model(const Options& options)
+{
+  if (options.list)
+  {
+    fmt::print("{}\n", fmt::join(shipped_robot_names(), "\n"));
+    return ExitCode::done;
+  }
+  const Robot robot = load_robot(options.robot);
+  if (options.toml)
+  {
+    const std::string_view shipped = shipped_robot_toml(options.robot);
+    fmt::print("{}", shipped.empty() ? read_text_file(options.robot) : shipped);
+    return ExitCode::done;
+  }
+  fmt::print("{}: {:.6g} kg, gravity {:g} m/s², leg length {:.4g} m, model_id {}\n", robot.name, robot.mechanism.mass(),
+             robot.mechanism.gravity(), robot.leg_length, robot.model_id);
+  if (!robot.source.empty())
+    fmt::print("{}\n", robot.source);
+  print_links(robot);
+  print_coordinates(robot);
+  print_actuators(robot);
+  print_feet(robot);
+  return ExitCode::done;
+}
+
+} // namespace
+
+Subcommand add_model(CLI::App& torquectl)
+{
+  const auto options = std::make_shared<Options>();
+  CLI::App* app = torquectl.add_subcommand("model", "say what a robot means: links, coordinates, actuators, feet");
+  add_robot_option(*app, options->robot, "default: ck");
+  CLI::Option* list = app->add_flag("--list", options->list, "list the robots that ship");
+  app->add_flag("--toml", options->toml, "print the robot's file: a start for a robot of one's own")->excludes(list);
+  app->footer("Example:\n"
+              "  torquectl model --robot ck --toml > /tmp/mine.toml\n"
+              "  torquectl model --robot /tmp/mine.toml");
+  return {app, [options]
+          {
+            return model(*options);
+          }};
+}
+
+} // namespace torqued

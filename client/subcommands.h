@@ -1,0 +1,51 @@
+/// The subcommands of torquectl.
+#pragma once
+
+#include "client/failure.h"
+#include "daemon/config.h"
+
+#include <functional>
+#include <string>
+#include <string_view>
+
+namespace CLI
+{
+class App;
+}
+
+namespace torqued
+{
+
+/// A subcommand that has been added to the app: its options are parsed into what `run` works on.
+struct Subcommand
+{
+  CLI::App* app;
+  std::function<ExitCode()> run; ///< throws Failure; FileError for a robot or a configuration
+};
+
+Subcommand add_send(CLI::App& torquectl);
+Subcommand add_echo(CLI::App& torquectl);
+Subcommand add_eval(CLI::App& torquectl);
+Subcommand add_export(CLI::App& torquectl);
+Subcommand add_model(CLI::App& torquectl);
+
+/// Adds an option --robot that says which robots ship, and what happens without it.
+void add_robot_option(CLI::App& subcommand, std::string& robot, const std::string& without);
+/// Adds an option --method that says which methods there are.
+void add_method_option(CLI::App& subcommand, std::string& method, const std::string& what);
+/// Adds an option --prefix.
+void add_prefix_option(CLI::App& subcommand, std::string& prefix);
+/// Adds an option --lcm-url.
+void add_bus_option(CLI::App& subcommand, std::string& lcm_url);
+
+/// A check of an option's text: empty if it is a positive number, else the complaint.
+std::string check_positive(const std::string& text);
+
+/// Sets what a flag says; nothing if it was not given. Throws Failure, usage.
+void set_flag(std::string_view flag, void (*set)(Config&, const std::string&), Config& config,
+              const std::string& value);
+
+/// Tells the user, in one line on stderr, something that does not end the program.
+void note(std::string_view line);
+
+} // namespace torqued

@@ -1,0 +1,36 @@
+/// How desired states were dealt with, counted.
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <string>
+
+namespace torqued
+{
+
+/// Answers and rejections, the latter by reason.
+struct Tally
+{
+  struct Rejected
+  {
+    std::int64_t count = 0;
+    std::string first; ///< what was said about the first
+  };
+
+  std::int64_t answered = 0;
+  std::map<std::int32_t, Rejected> rejected; ///< key: reason, as in rejection_t
+
+  /// first: kept if it is the first of its reason.
+  void reject(std::int32_t reason, const std::string& first);
+  std::int64_t num_rejected() const;
+
+  /// "445 answered, 19 rejected: UNDER_ACTUATED 12, STALE 7".
+  std::string summary() const;
+  /// One line for each reason: "UNDER_ACTUATED, first: …".
+  std::string first_of_each() const;
+};
+
+/// A reason's name; "UNKNOWN" for any other number.
+std::string reason_name(std::int32_t reason);
+
+} // namespace torqued

@@ -1,0 +1,73 @@
+/// Desired motions as files: tables of comma-separated values, or recorded LCM traffic.
+///
+/// CSV: the first line that is not a comment (#) names the columns, which may stand in any order.
+///
+///   time | utime          s, rounded to µs | µs; one of the two, strictly increasing
+///   q0, dq0, ddq0, …      each coordinate by its name, rad, with its first and second derivative: all absolute names,
+///                         or all relative ones; absolute if both are complete
+///   xH, zH, dxH, …        the base point by its names, m, with derivatives: all six, and the base is GIVEN; or none,
+///   and
+///                         it follows FROM_CONTACT
+///   contactL, contactR    0, 1, 2, 3, or none, heel, sole, toe
+///   leading               L or R                                      may be missing: see follow_contacts()
+///   load_transfer, phase  0 to 1                                      may be missing: see follow_contacts()
+///   method                a method's name or number; default or none  may be missing, or empty: default
+///
+/// Further columns are not looked at. Numbers have a decimal point in every locale.
+#pragma once
+
+#include "robot/robot.h"
+#include "wire/codec.h"
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace torqued
+{
+
+/// The names of a robot's coordinates.
+struct CoordinateNames
+{
+  std::vector<std::string> absolute, relative;
+  std::array<std::string, 2> base; ///< empty if the base point does not move
+};
+CoordinateNames coordinate_names(const Robot& robot);
+CoordinateNames coordinate_names(const model_info_t& model);
+
+/// A desired motion.
+struct Trajectory
+{
+  std::string file;
+  std::vector<desired_state_t> states;
+  std::vector<std::size_t> places; ///< of each state: its line in the CSV, from 1, or its record in the log, from 0
+  bool from_log = false;
+
+  std::optional<model_info_t> recorded_model; ///< the first that the log holds
+  std::size_t undecodable = 0;                ///< messages of the log that are no desired states
+  std::size_t damaged_bytes = 0;              ///< of the log, in no whole record
+
+  /// "walk.csv:17" or "walk.lcm: record 16".
+  std::string place(std::size_t state) const;
+};
+
+/// Reads a trajectory from a file's bytes. Whether they are a CSV or a log follows from them, not from the file's name,
+/// which is used in complaints only.
+///
+/// CSV: stream_id is 1 and model_id 0. Derivative columns are taken if all are there; with differentiate, none is:
+/// derivatives are those of a quintic spline through the samples (spline_derivatives()), in unrounded time.
+/// Log: the desired states on their channel as they are, in the log's order; names and differentiate do not matter.
+///
+/// Throws Failure, bad_data: "FILE:LINE: column NAME: found …; expected …".
+Trajectory parse_trajectory(std::string_view bytes, const std::string& file, const CoordinateNames& names,
+                            bool differentiate, const Channels& channels);
+
+/// What a user should know about a log before its desired states are used with a robot: damage, undecodable messages,
+/// and a log that was recorded with another robot. One line each.
+std::vector<std::string> notes(const Trajectory& trajectory, const std::string& robot, std::int64_t model_id);
+
+} // namespace torqued

@@ -1,0 +1,606 @@
+#include "catch.h"
+
+#include "client/answer_table.h"
+#include "client/csv_lines.h"
+#include "client/files.h"
+#include "client/lcm_log.h"
+#include "client/torquectl.h"
+#include "client/trajectory.h"
+#include "daemon/lcm_loop.h"
+#include "temporary_folder.h"
+
+#include <algorithm>
+#include <array>
+#include <cfenv>
+#include <cstdio>
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <map>
+#include <spdlog/logger.h>
+#include <stdio_ext.h>
+#include <unistd.h>
+
+using namespace torqued;
+
+namespace
+{
+
+const std::string kWalk = TRAJECTORIES "/subject01-walk/walk.csv";
+
+// Takes what goes to a stream of this process into a file.
+class Capture
+{
+public:
+  Capture(std::FILE* stream, const std::string& path) : stream_(stream)
+  {
+    std::fflush(stream_);
+    kept_ = dup(fileno(stream_));
+    const int file = open(path.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0600);
+    dup2(file, fileno(stream_));
+    close(file);
+  }
+  ~Capture()
+  {
+    std::fflush(stream_);
+    dup2(kept_, fileno(stream_));
+    close(kept_);
+  }
+  Capture(const Capture&) = delete;
+  Capture& operator=(const Capture&) = delete;
+
+private:
+  std::FILE* stream_;
+  int kept_;
+};
+
+struct Run
+{
+  int code;
+  std::string out, err;
+};
+
+Run run(const std::vector<std::string>& words)
+{
+  const TemporaryFolder folder;
+  std::vector<const char*> argv{"torquectl"};
+  for (const std::string& word : words)
+    argv.push_back(word.c_str());
+  Run run;
+  {
+    const Capture out(stdout, folder.file("out"));
+    const Capture err(stderr, folder.file("err"));
+    run.code = torquectl(static_cast<int>(argv.size()), argv.data());
+  }
+  run.out = read_file(folder.file("out"));
+  run.err = read_file(folder.file("err"));
+  return run;
+}
+
+// the cells of each line, the names of the columns first
+std::vector<std::vector<std::string>> rows(const std::string& path)
+{
+  const std::string text = read_file(path);
+  CsvReader reader(text, path);
+  CsvLine line;
+  std::vector<std::vector<std::string>> rows;
+  while (reader.next(line))
+    rows.push_back(line.cells);
+  return rows;
+}
+
+std::vector<std::string> with_utime(std::int64_t utime, const std::vector<std::string>& cells)
+{
+  std::vector<std::string> row{fmt::format("{}", utime)};
+  row.insert(row.end(), cells.begin(), cells.end());
+  return row;
+}
+
+std::string bytes_of(const desired_state_t& state)
+{
+  std::vector<std::byte> buffer;
+  const Bytes bytes = encode(state, buffer);
+  return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
+}
+
+Trajectory read_walk(const Robot& robot)
+{
+  return parse_trajectory(read_file(kWalk), kWalk, coordinate_names(robot), false, Channels());
+}
+
+// The daemon's own loop, on a bus inside this process, that answers every sample.
+class Daemon
+{
+public:
+  explicit Daemon(const Robot& robot) : loop_(bus_, robot, every_sample(), log_, [] { return std::int64_t{0}; })
+  {
+    bus_.subscribeFunction("TORQUED_COMMAND", &Daemon::hear, this);
+  }
+  std::map<std::int64_t, torque_command_t> answers; // by utime
+
+  void send(const desired_state_t& state)
+  {
+    const std::string bytes = bytes_of(state);
+    bus_.publish("TORQUED_DESIRED", bytes.data(), static_cast<unsigned int>(bytes.size()));
+    loop_.cycle(0.0);
+    while (bus_.handleTimeout(0) > 0)
+    {
+    }
+  }
+
+private:
+  static Config every_sample()
+  {
+    Config config;
+    config.every_sample = true;
+    return config;
+  }
+  static void hear(const lcm::ReceiveBuffer* buffer, const std::string&, Daemon* daemon)
+  {
+    torque_command_t command;
+    if (decode({static_cast<const std::byte*>(buffer->data), buffer->data_size}, command))
+      daemon->answers[command.utime] = command;
+  }
+
+  lcm::LCM bus_{"memq://"};
+  spdlog::logger log_{"test"};
+  LcmLoop loop_;
+};
+
+} // namespace
+
+TEST_CASE("eval answers the measured walk, one row for each of its rows", "[torquectl_eval]")
+{
+  const TemporaryFolder folder;
+  const Robot robot = load_robot("human-subject01");
+  const std::string out = folder.file("answers.csv");
+  const Run eval = run({"eval", kWalk, "--robot", "human-subject01", "-o", out});
+  CHECK(eval.code == 0);
+  CHECK(eval.err == "");
+  CHECK(eval.out == "447 desired states for human-subject01: 447 answered, 0 rejected\n");
+
+  const auto table = rows(out);
+  const Trajectory walk = read_walk(robot);
+  REQUIRE(table.size() == 1 + walk.states.size());
+  std::vector<std::string> joints;
+  for (const Actuator& actuator : robot.actuators)
+    joints.push_back(actuator.name);
+  std::vector<std::string> columns = answer_columns(joints);
+  columns.insert(columns.begin(), "utime");
+  CHECK(table[0] == columns);
+  for (std::size_t i = 0; i < walk.states.size(); ++i)
+    REQUIRE(table[1 + i][0] == fmt::format("{}", walk.states[i].utime));
+}
+
+TEST_CASE("eval gives the bits that the daemon's loop publishes, as CSV and as messages", "[torquectl_eval]")
+{
+  const TemporaryFolder folder;
+  const Robot robot = load_robot("human-subject01");
+  const std::string csv = folder.file("answers.csv"), lcm = folder.file("answers.lcm");
+  REQUIRE(run({"eval", kWalk, "--robot", "human-subject01", "-o", csv}).code == 0);
+  REQUIRE(run({"eval", kWalk, "--robot", "human-subject01", "-o", lcm}).code == 0);
+
+  Daemon daemon(robot);
+  for (const desired_state_t& state : read_walk(robot).states)
+    daemon.send(state);
+  REQUIRE(daemon.answers.size() == 447);
+
+  const auto table = rows(csv);
+  const std::string bytes = read_file(lcm);
+  LogReader log(bytes);
+  std::int64_t sequence = 0;
+  while (const auto record = log.next())
+  {
+    torque_command_t command;
+    REQUIRE(record->channel == "TORQUED_COMMAND");
+    REQUIRE(decode(record->data, command));
+    CHECK(record->timestamp == command.utime);
+    CHECK(command.sequence == ++sequence);
+    CHECK(command.compute_ns == 0);
+    CHECK(command.stream_id == 1);
+    REQUIRE(with_utime(command.utime, answer_cells(command)) == table[static_cast<std::size_t>(sequence)]);
+
+    // what only the loop knows: time
+    torque_command_t published = daemon.answers.at(command.utime);
+    published.flags &= ~torque_command_t::LATE;
+    CHECK(published.model_id == command.model_id);
+    CHECK(published.settings_id == command.settings_id);
+    REQUIRE(answer_cells(published) == answer_cells(command));
+  }
+  CHECK(log.skipped() == 0);
+  CHECK(sequence == 447);
+}
+
+TEST_CASE("eval computes without denormal numbers, as the daemon does", "[torquectl_eval]")
+{
+  const TemporaryFolder folder;
+  std::string text = "time,contactL,contactR";
+  for (const std::string order : {"", "d", "dd"})
+    for (int i = 0; i < 7; ++i)
+      text += fmt::format(",{}q{}", order, i);
+  text += "\n0,2,0,0,0,0,0,0,0,0,1e-310,0,0,0,0,0,0,0,0,0,0,0,0,0\n";
+  const std::string out = folder.file("out.csv");
+  // earlier cases have left this thread without them
+  std::fesetenv(FE_DFL_ENV);
+  REQUIRE(run({"eval", folder.write("in.csv", text), "-o", out}).code == 0);
+  const auto table = rows(out);
+  const auto contact_speed = std::find(table[0].begin(), table[0].end(), "contact_speed") - table[0].begin();
+  CHECK(table[1][static_cast<std::size_t>(contact_speed)] == "0");
+}
+
+TEST_CASE("eval says which samples were rejected and why, and answers the others", "[torquectl_eval]")
+{
+  const TemporaryFolder folder;
+  std::string text = "time,contactL,contactR,load_transfer,method";
+  for (const std::string order : {"", "d", "dd"})
+    for (int i = 0; i < 7; ++i)
+      text += fmt::format(",{}q{}", order, i);
+  for (const char* row :
+       {"0,sole,sole,0.5,default", "1,sole,sole,2,default", "2,none,none,0,default", "3,sole,sole,1,77"})
+    text += fmt::format("\n{}{}", row, ",0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0");
+  const std::string in = folder.write("in.csv", text);
+  const std::string csv = folder.file("out.csv"), lcm = folder.file("out.lcm");
+
+  const Run eval = run({"eval", in, "-o", csv});
+  CHECK(eval.code == 0);
+  CHECK(eval.out ==
+        fmt::format("4 desired states for ck: 1 answered, 3 rejected: OUT_OF_RANGE 1, UNKNOWN_METHOD 1, "
+                    "NOT_SUPPORTED 1\n"
+                    "  OUT_OF_RANGE, first: {0}:3: load_transfer is 2; expected 0 to 1\n"
+                    "  UNKNOWN_METHOD, first: {0}:5: method is 77; expected {1}\n"
+                    "  NOT_SUPPORTED, first: {0}:4: base is FROM_CONTACT (0), but neither foot has contact: in "
+                    "flight the base must be GIVEN (1)\n",
+                    in, kMethodChoices));
+  const auto table = rows(csv);
+  REQUIRE(table.size() == 5);
+  CHECK(table[1].back() == "");
+  CHECK(table[2] == with_utime(1'000'000, rejected_cells(6, "OUT_OF_RANGE")));
+  CHECK(table[3] == with_utime(2'000'000, rejected_cells(6, "NOT_SUPPORTED")));
+  CHECK(table[4] == with_utime(3'000'000, rejected_cells(6, "UNKNOWN_METHOD")));
+
+  REQUIRE(run({"eval", in, "-o", lcm, "--prefix", "left/"}).code == 0);
+  const std::string bytes = read_file(lcm);
+  LogReader log(bytes);
+  std::vector<std::string> channels, reasons;
+  while (const auto record = log.next())
+  {
+    channels.emplace_back(record->channel);
+    if (rejection_t rejection; decode(record->data, rejection))
+    {
+      CHECK(rejection.stream_id == 1);
+      CHECK(rejection.utime == record->timestamp);
+      reasons.push_back(fmt::format("{} {}", rejection.reason, rejection.detail));
+    }
+  }
+  CHECK(channels == std::vector<std::string>{"left/TORQUED_COMMAND", "left/TORQUED_REJECTED", "left/TORQUED_REJECTED",
+                                             "left/TORQUED_REJECTED"});
+  REQUIRE(reasons.size() == 3);
+  CHECK(reasons[0] == "5 load_transfer is 2; expected 0 to 1");
+}
+
+TEST_CASE("eval takes the daemon's configuration, and flags win over it", "[torquectl_eval]")
+{
+  const TemporaryFolder folder;
+  const std::string config = folder.write("c.toml", "robot = \"human-subject01\"\nconsistency = \"refuse\"\n");
+  const std::string out = folder.file("out.csv");
+  CHECK(run({"eval", kWalk, "--config", config, "-o", out})
+            .out.starts_with("447 desired states for human-subject01: 0 answered, 447 rejected: INCONSISTENT 447\n"));
+  CHECK(run({"eval", kWalk, "--config", config, "--robot", "ck", "-o", out})
+            .out.starts_with("447 desired states for ck: "));
+}
+
+TEST_CASE("a log of another robot is said to be one", "[torquectl_eval]")
+{
+  const TemporaryFolder folder;
+  const std::string log_file = folder.file("log.lcm");
+  const Robot human = load_robot("human-subject01"), ck = load_robot("ck");
+  std::vector<std::byte> buffer;
+  LogWriter log(log_file);
+  log.write("TORQUED_MODEL", 0, encode(model_info(human, 1, 1, ""), buffer));
+  log.write("TORQUED_DESIRED", 0, encode(read_walk(human).states[0], buffer));
+  log.close();
+  const std::string said =
+      fmt::format("torquectl: note: {}: was recorded with robot human-subject01 (model_id {}), not with "
+                  "this ck (model_id {})\n",
+                  log_file, human.model_id, ck.model_id);
+  CHECK(run({"eval", log_file, "--robot", "human-subject01", "-o", folder.file("o.csv")}).err == "");
+  CHECK(run({"eval", log_file, "--robot", "ck", "-o", folder.file("o.csv")}).err == said);
+}
+
+TEST_CASE("an exported log reads back as the same desired states, beside their answers", "[torquectl_eval]")
+{
+  const TemporaryFolder folder;
+  const std::string log_file = folder.file("log.lcm"), csv = folder.file("log.csv"), again = folder.file("again.csv");
+  const Robot robot = load_robot("human-subject01");
+  Trajectory walk = read_walk(robot);
+  Daemon daemon(robot);
+  std::vector<std::byte> buffer;
+  LogWriter log(log_file);
+  log.write("TORQUED_MODEL", 0, encode(model_info(robot, 1, 1, ""), buffer));
+  for (std::size_t i = 0; i < walk.states.size(); ++i)
+  {
+    desired_state_t& state = walk.states[i];
+    // ask in double support for the method that will answer: the CSV keeps the one that did
+    if (state.left_contact && state.right_contact)
+      state.method = desired_state_t::LINEAR_TRANSITION;
+    state.q[3] *= 1.0 + 1e-16 * static_cast<double>(i);
+    daemon.send(state);
+    log.write("TORQUED_DESIRED", state.utime, encode(state, buffer));
+    if (i == 5)
+      continue;
+    if (i == 7)
+    {
+      rejection_t rejection{state.utime, state.stream_id, rejection_t::STALE, "late"};
+      log.write("TORQUED_REJECTED", state.utime, encode(rejection, buffer));
+      continue;
+    }
+    log.write("TORQUED_COMMAND", state.utime, encode(daemon.answers.at(state.utime), buffer));
+  }
+  log.close();
+
+  const Run exported = run({"export", log_file, "-o", csv});
+  CHECK(exported.code == 0);
+  CHECK(exported.err == "");
+  CHECK(exported.out ==
+        fmt::format("447 desired states of human-subject01, 1 without an answer, 445 answered, 1 rejected: "
+                    "STALE 1\n  STALE, first: {}: record 14: late\n",
+                    log_file));
+
+  // the desired states
+  const Trajectory read = parse_trajectory(read_file(csv), csv, coordinate_names(robot), false, Channels());
+  REQUIRE(read.states.size() == walk.states.size());
+  for (std::size_t i = 0; i < read.states.size(); ++i)
+  {
+    desired_state_t expected = walk.states[i];
+    if (i == 5 || i == 7)
+      expected.method = desired_state_t::DEFAULT;
+    REQUIRE(bytes_of(read.states[i]) == bytes_of(expected));
+  }
+
+  // their answers
+  const auto table = rows(csv);
+  const std::size_t answer_size = answer_cells(daemon.answers.begin()->second).size();
+  for (std::size_t i = 0; i < walk.states.size(); ++i)
+  {
+    const std::vector<std::string> found(table[1 + i].end() - static_cast<std::ptrdiff_t>(answer_size),
+                                         table[1 + i].end());
+    REQUIRE(found == (i == 5   ? rejected_cells(6, "NO_ANSWER")
+                      : i == 7 ? rejected_cells(6, "STALE")
+                               : answer_cells(daemon.answers.at(walk.states[i].utime))));
+  }
+
+  // evaluated again, they are the same answers
+  REQUIRE(run({"eval", csv, "--robot", "human-subject01", "-o", again}).code == 0);
+  const auto answered_again = rows(again);
+  for (std::size_t i = 8; i < walk.states.size(); ++i)
+  {
+    torque_command_t expected = daemon.answers.at(walk.states[i].utime);
+    expected.flags &= ~torque_command_t::LATE;
+    REQUIRE(answered_again[1 + i] == with_utime(walk.states[i].utime, answer_cells(expected)));
+  }
+}
+
+TEST_CASE("export joins answers to desired states by stream and time, in the order of the log", "[torquectl_eval]")
+{
+  const TemporaryFolder folder;
+  const std::string log_file = folder.file("log.lcm"), csv = folder.file("log.csv");
+  const Robot robot = load_robot("ck");
+  desired_state_t state{};
+  state.num_coordinates = 7;
+  state.q.resize(7);
+  state.v = state.a = state.q;
+  torque_command_t command{};
+  command.num_joints = 6;
+  command.torque.resize(6);
+  std::vector<std::byte> buffer;
+  LogWriter log(log_file);
+  const auto write_state = [&](std::int64_t stream_id, std::int64_t utime)
+  {
+    state.stream_id = stream_id;
+    state.utime = utime;
+    log.write("TORQUED_DESIRED", 0, encode(state, buffer));
+  };
+  const auto write_answer = [&](std::int64_t stream_id, std::int64_t utime, std::int32_t flags)
+  {
+    command.stream_id = stream_id;
+    command.utime = utime;
+    command.flags = flags;
+    log.write("TORQUED_COMMAND", 0, encode(command, buffer));
+  };
+  write_answer(2, 10, 1); // heard before its desired state
+  write_state(1, 10);
+  write_state(2, 10);
+  write_state(1, 10); // a repeat, which is rejected
+  write_state(1, 5);
+  write_answer(1, 5, 2);
+  write_answer(1, 10, 4);
+  rejection_t rejection{10, 1, rejection_t::OUT_OF_ORDER, ""};
+  log.write("TORQUED_REJECTED", 0, encode(rejection, buffer));
+
+  SECTION("with a model in the log")
+  {
+    log.write("TORQUED_MODEL", 0, encode(model_info(robot, 1, 1, ""), buffer));
+    log.close();
+    REQUIRE(run({"export", log_file, "-o", csv}).code == 0);
+    std::string found;
+    const auto table = rows(csv);
+    const auto flags =
+        static_cast<std::size_t>(std::find(table[0].begin(), table[0].end(), "flags") - table[0].begin());
+    for (std::size_t i = 1; i < table.size(); ++i)
+      found += fmt::format("{}:{}{} ", table[i][0], table[i][flags], table[i].back());
+    CHECK(found == "10:4 10:1 10:OUT_OF_ORDER 5:2 ");
+  }
+  SECTION("without a model in the log the names come from --robot")
+  {
+    log.close();
+    const Run nameless = run({"export", log_file, "-o", csv});
+    CHECK(nameless.code == 65);
+    CHECK(nameless.err ==
+          fmt::format("torquectl: {}: holds no model_info_t, so the names of its coordinates and joints are "
+                      "not known; --robot says which robot it was\n",
+                      log_file));
+    CHECK(run({"export", log_file, "-o", csv, "--robot", "ck"}).code == 0);
+    const Run out = run({"export", log_file, "-o", "-", "--robot", "ck"});
+    CHECK(out.out == read_file(csv));
+  }
+}
+
+TEST_CASE("relative coordinates are exported as they are, and as absolute ones among those", "[torquectl_eval]")
+{
+  const TemporaryFolder folder;
+  const std::string log_file = folder.file("log.lcm"), csv = folder.file("log.csv");
+  const Robot robot = load_robot("human-subject01");
+  const std::vector<desired_state_t> walk = read_walk(robot).states;
+  const bool mixed = GENERATE(false, true);
+  model_info_t model = model_info(robot, 1, 1, "");
+  Eigen::Map<Eigen::VectorXd> b(model.b.data(), 7);
+  b << 0.1, 0.2, 0.3, -0.4, -0.5, 0.6, 0.7;
+  std::vector<std::byte> buffer;
+  LogWriter log(log_file);
+  log.write("TORQUED_MODEL", 0, encode(model, buffer));
+  for (std::size_t i = 0; i < 3; ++i)
+  {
+    desired_state_t state = walk[i];
+    if (i < 2 || !mixed)
+    {
+      state.coordinates = desired_state_t::RELATIVE;
+      for (std::vector<double>* numbers : {&state.q, &state.v, &state.a})
+      {
+        Eigen::Map<Eigen::VectorXd> angles(numbers->data(), 7);
+        angles = (robot.A * angles).eval();
+      }
+      Eigen::Map<Eigen::VectorXd>(state.q.data(), 7) += b;
+    }
+    log.write("TORQUED_DESIRED", 0, encode(state, buffer));
+  }
+  log.close();
+  REQUIRE(run({"export", log_file, "-o", csv}).code == 0);
+  const Trajectory read = parse_trajectory(read_file(csv), csv, coordinate_names(robot), false, Channels());
+  for (std::size_t i = 0; i < 3; ++i)
+  {
+    CHECK(read.states[i].coordinates == (mixed ? desired_state_t::ABSOLUTE : desired_state_t::RELATIVE));
+    Eigen::VectorXd q = Eigen::Map<const Eigen::VectorXd>(read.states[i].q.data(), 7);
+    if (!mixed)
+      q = robot.A_inverse * (q - b);
+    // sums of a few angles of size 1
+    for (int j = 0; j < 7; ++j)
+      CHECK_THAT(q(j), Catch::Matchers::WithinAbs(walk[i].q[static_cast<std::size_t>(j)], 1e-15));
+  }
+}
+
+TEST_CASE("what cannot be done ends with its exit code and one line", "[torquectl_eval]")
+{
+  const TemporaryFolder folder;
+  const std::string out = folder.file("out.csv"), bad_config = folder.write("c.toml", "colour = 1\n");
+  const std::string bad_walk = folder.write("w.csv", "time\n0\n");
+  struct Row
+  {
+    std::vector<std::string> words;
+    int code;
+    std::string err;
+  };
+  const std::vector<Row> table{
+      {{}, 64, "a subcommand is required; torquectl --help lists what there is"},
+      {{"evaluate"}, 64, "\"evaluate\" is not known here; torquectl --help lists what there is"},
+      {{"eval"}, 64, "FILE is required; torquectl eval --help says what is right"},
+      {{"eval", kWalk, "-o", "x.txt"}, 64, "-o: found \"x.txt\"; expected a name that ends in .csv or .lcm"},
+      {{"eval", kWalk, "-o", kWalk}, 64, fmt::format("{0} would be written over {0}, which is read", kWalk)},
+      {{"eval", kWalk, "-o", out, "--method", "x"}, 64, "--method: found \"x\"; expected one of: linear-transition"},
+      {{"eval", kWalk, "-o", out, "--prefix", "a.*"},
+       64,
+       "--prefix: found \"a.*\"; expected at most 32 letters, digits, _, - or /"},
+      {{"send", kWalk, "--rate", "0"},
+       64,
+       "--rate: found \"0\"; expected a positive number; torquectl send --help says what is right"},
+      {{"eval", folder.file("none"), "-o", out},
+       65,
+       folder.file("none") + ": cannot be read: No such file or directory"},
+      {{"eval", bad_walk, "-o", out},
+       65,
+       bad_walk +
+           ":1: column contactL: found no column contactL, contactR; expected what carries at each foot: 0 to 3, or "
+           "none, heel, sole, toe"},
+      {{"export", kWalk, "-o", out}, 65, kWalk + ": is no LCM log; expected what lcm-logger wrote"},
+      {{"send", folder.file("none")}, 65, folder.file("none") + ": cannot be read: No such file or directory"},
+      {{"eval", kWalk, "-o", out, "--robot", "x"},
+       78,
+       "\"x\" is neither a robot that ships (ck, human-subject01) nor a .toml file"},
+      {{"model", "--robot", folder.file("x.toml")},
+       78,
+       folder.file("x.toml") + ": cannot be read: No such file or directory"},
+      {{"eval", kWalk, "-o", folder.file("no/out.csv"), "--robot", "human-subject01"},
+       1,
+       folder.file("no/out.csv") + ": cannot be written: No such file or directory"},
+      {{"eval", kWalk, "-o", folder.file("no/out.lcm"), "--robot", "human-subject01"},
+       1,
+       folder.file("no/out.lcm") + ": cannot be written: No such file or directory"},
+  };
+  for (const Row& row : table)
+  {
+    const Run ended = run(row.words);
+    CHECK(ended.code == row.code);
+    CHECK(ended.err == "torquectl: " + row.err + "\n");
+    CHECK(ended.out == "");
+  }
+  const Run config = run({"eval", kWalk, "-o", out, "--config", bad_config});
+  CHECK(config.code == 78);
+  CHECK(config.err.starts_with("torquectl: " + bad_config + ":1: colour: "));
+}
+
+TEST_CASE("a full disk is not taken for success", "[torquectl_eval]")
+{
+  const TemporaryFolder folder;
+  for (const std::string name : {"full.csv", "full.lcm"})
+  {
+    std::filesystem::create_symlink("/dev/full", folder.file(name));
+    const Run ended = run({"eval", kWalk, "--robot", "human-subject01", "-o", folder.file(name)});
+    CHECK(ended.code == 1);
+    CHECK(ended.err == fmt::format("torquectl: {}: cannot be written: No space left on device\n", folder.file(name)));
+    CHECK(ended.out == "");
+  }
+
+  int code = 0;
+  {
+    const Capture out(stdout, "/dev/full");
+    const Capture err(stderr, folder.file("err"));
+    const std::array argv{"torquectl", "model"};
+    code = torquectl(static_cast<int>(argv.size()), argv.data());
+    __fpurge(stdout);
+  }
+  std::clearerr(stdout);
+  CHECK(code == 1);
+  CHECK(read_file(folder.file("err")) == "torquectl: standard output: cannot be written: No space left on device\n");
+}
+
+TEST_CASE("every subcommand has help with an example", "[torquectl_eval]")
+{
+  for (const std::string name : {"send", "echo", "eval", "export", "model"})
+  {
+    const Run help = run({name, "--help"});
+    CHECK(help.code == 0);
+    CHECK(help.out.find("Example") != std::string::npos);
+    CHECK(help.out.find("torquectl " + name + " ") != std::string::npos);
+    CHECK(run({"--help"}).out.find("\n  " + name + " ") != std::string::npos);
+  }
+}
+
+TEST_CASE("a robot's printed file is the robot, and its description names every link, coordinate and actuator",
+          "[torquectl_eval]")
+{
+  const TemporaryFolder folder;
+  for (const std::string_view name : shipped_robot_names())
+  {
+    const Robot robot = load_robot(std::string(name));
+    const std::string file = folder.write("r.toml", run({"model", "--robot", std::string(name), "--toml"}).out);
+    CHECK(load_robot(file).model_id == robot.model_id);
+    CHECK(run({"model", "--robot", file, "--toml"}).out == read_file(file));
+
+    const std::string description = run({"model", "--robot", file}).out;
+    for (const Link& link : robot.links)
+      CHECK(description.find("\n  " + link.name + " ") != std::string::npos);
+    for (const Actuator& actuator : robot.actuators)
+      CHECK(description.find("\n  " + actuator.name + " ") != std::string::npos);
+    CHECK(description.find("\n  left_knee = q2 - q1\n") != std::string::npos);
+    CHECK(description.find("\n  q6 = q6\n") != std::string::npos);
+    CHECK(run({"model", "--list"}).out.find(std::string(name) + "\n") != std::string::npos);
+  }
+}
