@@ -15,6 +15,7 @@
 #include <limits>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -28,7 +29,8 @@ using Json = nlohmann::ordered_json;
 
 struct Options
 {
-  std::string format = "table", lcm_url, prefix;
+  std::string format = "table", lcm_url;
+  std::optional<std::string> prefix;
   std::int64_t count = 0;
   bool status = false;
 };

@@ -19,20 +19,24 @@ namespace
 
 struct Options
 {
-  std::string file, out, robot, config, method, prefix;
+  std::string file, out, robot, config;
+  std::optional<std::string> method, prefix;
   bool differentiate = false;
 };
 
-// Writes answers as rows of a CSV, or as the messages that the daemon would publish.
+// Writes answers as rows of a CSV, or as the log that lcm-logger would have recorded: model, desired states, answers.
 class AnswerWriter
 {
 public:
-  AnswerWriter(const std::string& path, const Robot& robot, const Channels& channels)
-      : channels_(channels), num_joints_(robot.actuators.size())
+  AnswerWriter(const std::string& path, const Robot& robot, const Config& config, const Trajectory& trajectory)
+      : channels_(config.prefix), num_joints_(robot.actuators.size())
   {
     if (path.ends_with(".lcm"))
     {
       log_.emplace(path);
+      const model_info_t model = model_info(robot, 0, settings_id(config.answers), to_toml(config));
+      log_->write(channels_.model, trajectory.states.empty() ? 0 : trajectory.states.front().utime,
+                  encode(model, buffer_));
       return;
     }
     std::vector<std::string> joint_names;
@@ -40,6 +44,12 @@ public:
       joint_names.push_back(actuator.name);
     csv_.emplace(path);
     write_row("utime", answer_columns(joint_names));
+  }
+
+  void heard(std::int64_t utime, Bytes desired)
+  {
+    if (log_)
+      log_->write(channels_.desired, utime, desired);
   }
 
   void write(const torque_command_t& command)
@@ -73,7 +83,7 @@ private:
     csv_->write(csv_line(cells));
   }
 
-  const Channels& channels_;
+  const Channels channels_;
   std::size_t num_joints_;
   std::optional<OutputFile> csv_;
   std::optional<LogWriter> log_;
@@ -93,6 +103,7 @@ Tally answer_all(const Robot& robot, const AnswerSettings& settings, const Traje
   for (std::size_t i = 0; i < trajectory.states.size(); ++i)
   {
     const Bytes bytes = encode(trajectory.states[i], buffer);
+    writer.heard(trajectory.states[i].utime, bytes);
     const Result<DesiredState> desired = decode_desired_state(bytes, robot);
     const Refusal* refusal = std::get_if<Refusal>(&desired);
     const Result<Answer> answered =
@@ -126,18 +137,17 @@ ExitCode eval(const Options& options)
   set_flag("--method", set_method, config, options.method);
   set_flag("--prefix", set_prefix, config, options.prefix);
   const Robot robot = load_robot(config.robot);
-  const Channels channels(config.prefix);
 
-  const Trajectory trajectory =
-      parse_trajectory(read_file(options.file), options.file, coordinate_names(robot), options.differentiate, channels);
+  const Trajectory trajectory = parse_trajectory(read_file(options.file), options.file, coordinate_names(robot),
+                                                 options.differentiate, Channels(config.prefix));
   for (const std::string& line : notes(trajectory, robot.name, robot.model_id))
     note(line);
 
-  AnswerWriter writer(options.out, robot, channels);
+  AnswerWriter writer(options.out, robot, config, trajectory);
   const Tally tally = answer_all(robot, config.answers, trajectory, writer);
   writer.close();
-  fmt::print("{} desired states for {}: {}\n{}", trajectory.states.size(), robot.name, tally.summary(),
-             tally.first_of_each());
+  fmt::print("{} of {} samples answered for {}, {}\n{}", tally.answered, trajectory.states.size(), robot.name,
+             tally.rejections(), tally.first_of_each());
   return ExitCode::done;
 }
 
@@ -151,7 +161,7 @@ Subcommand add_eval(CLI::App& torquectl)
       ->type_name("")
       ->required();
   app->add_option("-o,--output", options->out,
-                  "where the answers go: .csv, one row each, or .lcm, the messages the daemon would publish")
+                  "where the answers go: .csv, one row each, or .lcm, a log of desired states and answers")
       ->type_name("OUT")
       ->required();
   add_robot_option(*app, options->robot, "default: ck");

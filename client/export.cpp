@@ -14,6 +14,7 @@
 #include <fmt/format.h>
 #include <map>
 #include <memory>
+#include <optional>
 #include <utility>
 #include <variant>
 
@@ -25,7 +26,8 @@ namespace
 
 struct Options
 {
-  std::string log, out, robot, prefix;
+  std::string log, out, robot;
+  std::optional<std::string> prefix;
 };
 
 using LoggedAnswer = std::variant<torque_command_t, rejection_t>;
@@ -201,8 +203,9 @@ ExitCode export_log(const Options& options)
 
   const auto rows = static_cast<std::int64_t>(trajectory.states.size());
   if (options.out != "-")
-    fmt::print("{} desired states of {}, {} without an answer, {}\n{}", rows, printable(model.name),
-               rows - tally.answered - tally.num_rejected(), tally.summary(), tally.first_of_each());
+    fmt::print("{} of {} samples of {} answered, {} without an answer, {}\n{}", tally.answered, rows,
+               printable(model.name), rows - tally.answered - tally.num_rejected(), tally.rejections(),
+               tally.first_of_each());
   return ExitCode::done;
 }
 

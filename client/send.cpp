@@ -35,7 +35,8 @@ constexpr Clock::duration kPatience = 1s; // an answer that takes longer counts 
 
 struct Options
 {
-  std::string file, method, lcm_url, prefix;
+  std::string file, lcm_url;
+  std::optional<std::string> method, prefix;
   double speed = 1.0, rate = 0.0;
   bool loop = false, differentiate = false, json = false;
 };
@@ -187,8 +188,8 @@ private:
 
 void print_text(const Ledger& ledger)
 {
-  fmt::print("{} sent, {} lost, {}\n{}", ledger.num_sent(), ledger.num_lost(), ledger.tally().summary(),
-             ledger.tally().first_of_each());
+  fmt::print("{} of {} samples answered, {} lost, {}\n{}", ledger.tally().answered, ledger.num_sent(),
+             ledger.num_lost(), ledger.tally().rejections(), ledger.tally().first_of_each());
   if (const auto p50 = ledger.percentile(0.5))
     fmt::print("round trip: p50 {} µs, p90 {} µs, p99 {} µs, max {} µs\n", *p50, *ledger.percentile(0.9),
                *ledger.percentile(0.99), *ledger.percentile(1.0));
@@ -271,7 +272,7 @@ ExitCode send(const Options& options)
   {
     state.stream_id = stream_id;
     state.model_id = robot.model_id;
-    if (!options.method.empty())
+    if (options.method)
       state.method = static_cast<std::int8_t>(config.answers.methods.method);
   }
 

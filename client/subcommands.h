@@ -5,6 +5,7 @@
 #include "daemon/config.h"
 
 #include <functional>
+#include <optional>
 #include <string>
 #include <string_view>
 
@@ -32,9 +33,9 @@ Subcommand add_model(CLI::App& torquectl);
 /// Adds an option --robot that says which robots ship, and what happens without it.
 void add_robot_option(CLI::App& subcommand, std::string& robot, const std::string& without);
 /// Adds an option --method that says which methods there are.
-void add_method_option(CLI::App& subcommand, std::string& method, const std::string& what);
+void add_method_option(CLI::App& subcommand, std::optional<std::string>& method, const std::string& what);
 /// Adds an option --prefix.
-void add_prefix_option(CLI::App& subcommand, std::string& prefix);
+void add_prefix_option(CLI::App& subcommand, std::optional<std::string>& prefix);
 /// Adds an option --lcm-url.
 void add_bus_option(CLI::App& subcommand, std::string& lcm_url);
 
@@ -43,7 +44,7 @@ std::string check_positive(const std::string& text);
 
 /// Sets what a flag says; nothing if it was not given. Throws Failure, usage.
 void set_flag(std::string_view flag, void (*set)(Config&, const std::string&), Config& config,
-              const std::string& value);
+              const std::optional<std::string>& value);
 
 /// Tells the user, in one line on stderr, something that does not end the program.
 void note(std::string_view line);

@@ -22,9 +22,9 @@ std::int64_t Tally::num_rejected() const
   return count;
 }
 
-std::string Tally::summary() const
+std::string Tally::rejections() const
 {
-  std::string text = fmt::format("{} answered, {} rejected", answered, num_rejected());
+  std::string text = fmt::format("{} rejected", num_rejected());
   std::string_view separator = ": ";
   for (const auto& [reason, so_far] : rejected)
   {

@@ -24,8 +24,8 @@ struct Tally
   void reject(std::int32_t reason, const std::string& first);
   std::int64_t num_rejected() const;
 
-  /// "445 answered, 19 rejected: UNDER_ACTUATED 12, STALE 7".
-  std::string summary() const;
+  /// "19 rejected: UNDER_ACTUATED 12, STALE 7".
+  std::string rejections() const;
   /// One line for each reason: "UNDER_ACTUATED, first: …".
   std::string first_of_each() const;
 };

@@ -105,7 +105,7 @@ void add_robot_option(CLI::App& subcommand, std::string& robot, const std::strin
       ->type_name("NAME|FILE");
 }
 
-void add_method_option(CLI::App& subcommand, std::string& method, const std::string& what)
+void add_method_option(CLI::App& subcommand, std::optional<std::string>& method, const std::string& what)
 {
   std::vector<std::string_view> methods;
   for (const NamedMethod& known : kMethods)
@@ -113,7 +113,7 @@ void add_method_option(CLI::App& subcommand, std::string& method, const std::str
   subcommand.add_option("--method", method, fmt::format("{}: {}", what, fmt::join(methods, ", ")))->type_name("NAME");
 }
 
-void add_prefix_option(CLI::App& subcommand, std::string& prefix)
+void add_prefix_option(CLI::App& subcommand, std::optional<std::string>& prefix)
 {
   subcommand.add_option("--prefix", prefix, "stands before each channel's name")->type_name("TEXT");
 }
@@ -133,13 +133,14 @@ std::string check_positive(const std::string& text)
   return fmt::format("found \"{}\"; expected a positive number", text);
 }
 
-void set_flag(std::string_view flag, void (*set)(Config&, const std::string&), Config& config, const std::string& value)
+void set_flag(std::string_view flag, void (*set)(Config&, const std::string&), Config& config,
+              const std::optional<std::string>& value)
 {
-  if (value.empty())
+  if (!value)
     return;
   try
   {
-    set(config, value);
+    set(config, *value);
   }
   catch (const std::invalid_argument& error)
   {

@@ -33,16 +33,6 @@ std::vector<torque_command_t> commands(const std::string& log)
   return result;
 }
 
-std::size_t desired_states(const std::string& log)
-{
-  const std::string bytes = read_file(log);
-  LogReader reader(bytes);
-  std::size_t count = 0;
-  while (const auto record = reader.next())
-    count += record->channel == Channels().desired ? 1 : 0;
-  return count;
-}
-
 // the fields that the line computes, without those that the loop fills in
 std::vector<std::byte> computed(torque_command_t command)
 {
@@ -76,11 +66,11 @@ TEST_CASE("a walk through the daemon is answered sample for sample, and evaluate
   const int sent = torquectl({"send", kWalk, "--speed", "2"}, folder.file("send"));
   CAPTURE(read_file(folder.file("send")));
   CHECK(sent == 0);
+  // the logger writes what it holds when it hears more: the daemon's status
+  for (int i = 0; i < 500 && commands(log).size() < 447; ++i)
+    std::this_thread::sleep_for(std::chrono::milliseconds(20));
   torqued.signal(SIGTERM);
   CHECK(torqued.wait() == 0);
-  // the logger writes what it has heard within a second
-  for (int i = 0; i < 500 && desired_states(log) < 447; ++i)
-    std::this_thread::sleep_for(std::chrono::milliseconds(10));
   logger.signal(SIGTERM);
   logger.wait();
 

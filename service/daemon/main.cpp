@@ -42,7 +42,7 @@ std::optional<Config> configure(int argc, char** argv, int& exit_code)
       "  LCM_DEFAULT_URL='udpm://239.255.76.67:7667?ttl=0' torqued --robot human-subject01 --every-sample\n\n"
       "Exit codes: 0 ended by a signal, 64 wrong usage, 69 no bus, 78 bad configuration or robot, 1 anything else.");
   app.set_version_flag("--version", "torqued " TORQUED_VERSION);
-  std::string file, robot, method, lcm_url, prefix, log_level;
+  std::optional<std::string> file, robot, method, lcm_url, prefix, log_level;
   bool every_sample = false;
   bool print_config = false;
   app.add_option(
@@ -71,28 +71,24 @@ std::optional<Config> configure(int argc, char** argv, int& exit_code)
     return {};
   }
 
-  Config config = file.empty() ? Config() : read_config(file);
-  const auto set = [](std::string_view option, auto setter, Config& into, const std::string& value)
+  Config config = file ? read_config(*file) : Config();
+  const auto set = [&config](std::string_view option, auto setter, const std::optional<std::string>& value)
   {
     try
     {
-      setter(into, value);
+      if (value)
+        setter(config, *value);
     }
     catch (const std::invalid_argument& error)
     {
       throw Exit{EX_USAGE, fmt::format("{}: {}", option, error.what())};
     }
   };
-  if (!robot.empty())
-    config.robot = robot;
-  if (!method.empty())
-    set("--method", set_method, config, method);
-  if (!lcm_url.empty())
-    config.lcm_url = lcm_url;
-  if (!prefix.empty())
-    set("--prefix", set_prefix, config, prefix);
-  if (!log_level.empty())
-    set("--log-level", set_log_level, config, log_level);
+  config.robot = robot.value_or(config.robot);
+  config.lcm_url = lcm_url.value_or(config.lcm_url);
+  set("--method", set_method, method);
+  set("--prefix", set_prefix, prefix);
+  set("--log-level", set_log_level, log_level);
   config.every_sample |= every_sample;
   if (print_config)
   {

@@ -1,0 +1,137 @@
+#include "catch.h"
+#include "process.h"
+#include "temporary_folder.h"
+
+#include "client/files.h"
+#include "wire/codec.h"
+
+#include <algorithm>
+#include <memory>
+#include <nlohmann/json.hpp>
+
+using namespace torqued;
+
+namespace
+{
+
+const std::string kWalk = TRAJECTORIES "/subject01-walk/walk.csv";
+
+struct Run
+{
+  int code;
+  std::string output;
+};
+
+// What torquectl prints, on both streams, and how it ends.
+Run run(std::vector<std::string> arguments)
+{
+  const TemporaryFolder folder;
+  arguments.insert(arguments.begin(), TORQUECTL);
+  Process process(arguments, folder.file("output"));
+  const int code = process.wait().value_or(-1000);
+  return {code, read_file(folder.file("output"))};
+}
+
+std::unique_ptr<Process> torqued_for_the_walk(const TemporaryFolder& folder, std::vector<std::string> more = {})
+{
+  more.insert(more.begin(), {TORQUED, "--robot", "human-subject01"});
+  return std::make_unique<Process>(more, folder.file("torqued"));
+}
+
+std::size_t lines(const std::string& text)
+{
+  return static_cast<std::size_t>(std::count(text.begin(), text.end(), '\n'));
+}
+
+} // namespace
+
+TEST_CASE("send counts what became of every sample, and its exit code says whether all were answered",
+          "[torquectl_process]")
+{
+  const TemporaryFolder folder;
+  const auto torqued = torqued_for_the_walk(folder, {"--every-sample"});
+
+  const Run all = run({"send", kWalk, "--rate", "500", "--json"});
+  CAPTURE(all.output);
+  CHECK(all.code == 0);
+  const auto summary = nlohmann::json::parse(all.output);
+  CHECK(summary["sent"] == 447);
+  CHECK(summary["answered"] == 447);
+  CHECK(summary["rejected"] == 0);
+  CHECK(summary["lost"] == 0);
+  const auto& round_trip = summary["round_trip_us"];
+  CHECK(round_trip["p50"].get<std::int64_t>() > 0);
+  CHECK(round_trip["p50"] <= round_trip["p90"]);
+  CHECK(round_trip["p90"] <= round_trip["p99"]);
+  CHECK(round_trip["p99"] <= round_trip["max"]);
+
+  // one sample of three is refused; the pause lets torqued forget the stream before
+  std::this_thread::sleep_for(std::chrono::milliseconds(300));
+  std::string text = "time,contactL,contactR,load_transfer";
+  for (const char* order : {"", "d", "dd"})
+    for (int i = 0; i < 7; ++i)
+      text += fmt::format(",{}q{}", order, i);
+  for (const char* row : {"0,sole,sole,0.5", "0.01,sole,sole,2", "0.02,sole,sole,1"})
+    text += fmt::format("\n{},0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0", row);
+  const Run some = run({"send", folder.write("some.csv", text)});
+  CAPTURE(some.output);
+  CHECK(some.code == 1);
+  CHECK(some.output.starts_with("2 of 3 samples answered, 0 lost, 1 rejected: OUT_OF_RANGE 1\n"));
+  CHECK(some.output.find("some.csv:3: load_transfer is 2; expected 0 to 1\n") != std::string::npos);
+}
+
+TEST_CASE("send says when a daemon dies under it, and when there is none", "[torquectl_process]")
+{
+  const TemporaryFolder folder;
+  auto torqued = torqued_for_the_walk(folder, {"--every-sample"});
+  Process send({TORQUECTL, "send", kWalk, "--json", "--speed", "0.5"}, folder.file("send"));
+  Process echo({TORQUECTL, "echo", "--count", "20", "--format", "csv"}, folder.file("echo"));
+  REQUIRE(echo.wait() == 0); // the walk is under way
+  torqued->signal(SIGKILL);
+  torqued->wait();
+  CHECK(send.wait() == 1);
+  const auto summary = nlohmann::json::parse(read_file(folder.file("send")));
+  CHECK(summary["sent"] == 447);
+  CHECK(summary["answered"].get<int>() >= 20);
+  CHECK(summary["lost"].get<int>() + summary["answered"].get<int>() == 447);
+
+  const Run none = run({"send", kWalk});
+  CHECK(none.code == 69);
+  CHECK(none.output.starts_with("torquectl: no daemon has said on TORQUED_MODEL within 5 s which robot it computes"));
+}
+
+TEST_CASE("echo prints each answer once, as a table, as CSV and as JSON lines", "[torquectl_process]")
+{
+  const TemporaryFolder folder;
+  const auto torqued = torqued_for_the_walk(folder, {"--every-sample"});
+  std::vector<std::unique_ptr<Process>> echoes;
+  for (const char* format : {"table", "csv", "json"})
+    echoes.push_back(std::make_unique<Process>(
+        std::vector<std::string>{TORQUECTL, "echo", "--format", format, "--count", "10"}, folder.file(format)));
+  // they hear the walk from wherever they are ready
+  CHECK(run({"send", kWalk, "--speed", "0.5"}).code == 0);
+  for (const auto& echo : echoes)
+    CHECK(echo->wait() == 0);
+
+  const std::string csv = read_file(folder.file("csv"));
+  CHECK(csv.starts_with("utime,tau_left_ankle,"));
+  CHECK(lines(csv) == 11);
+  CHECK(lines(read_file(folder.file("table"))) >= 11);
+  const std::string json = read_file(folder.file("json"));
+  CHECK(lines(json) == 10);
+  const auto first = nlohmann::json::parse(json.substr(0, json.find('\n')));
+  CAPTURE(first.dump());
+  CHECK(first.dump().find("left_ankle") != std::string::npos);
+}
+
+TEST_CASE("echo ends cleanly when it is interrupted", "[torquectl_process]")
+{
+  const TemporaryFolder folder;
+  const auto torqued = torqued_for_the_walk(folder);
+  Process echo({TORQUECTL, "echo", "--status", "--format", "json"}, folder.file("echo"));
+  for (int i = 0; i < 1000 && lines(read_file(folder.file("echo"))) < 3; ++i)
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  CHECK(lines(read_file(folder.file("echo"))) >= 3);
+  echo.signal(SIGINT);
+  CHECK(echo.wait() == 0);
+}
