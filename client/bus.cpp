@@ -1,10 +1,10 @@
 #include "client/bus.h"
 
 #include "client/failure.h"
+#include "client/subcommands.h"
+#include "wire/bus_trouble.h"
 
 #include <algorithm>
-#include <cstdint>
-#include <cstdlib>
 #include <fmt/format.h>
 #include <poll.h>
 #include <time.h>
@@ -43,22 +43,12 @@ sigset_t hold_back_stop_signals()
   return mask_before;
 }
 
-// which bus was meant, and who said so
-std::string bus_name(const std::string& url)
-{
-  if (!url.empty())
-    return fmt::format("--lcm-url \"{}\"", url);
-  if (const char* preset = std::getenv("LCM_DEFAULT_URL"))
-    return fmt::format("LCM_DEFAULT_URL \"{}\"", preset);
-  return "LCM's own default; neither --lcm-url nor LCM_DEFAULT_URL is set";
-}
-
 } // namespace
 
-Bus::Bus(const std::string& url) : mask_while_waiting_(hold_back_stop_signals()), name_(bus_name(url)), lcm_(url)
+Bus::Bus(const std::string& url) : mask_while_waiting_(hold_back_stop_signals()), trouble_(bus_trouble(url)), lcm_(url)
 {
   if (!lcm_.good())
-    throw Failure(ExitCode::no_bus, fmt::format("the LCM bus cannot be opened ({})", name_));
+    throw Failure(ExitCode::no_bus, fmt::format("the LCM bus cannot be opened: {}", trouble_));
 }
 
 void Bus::subscribe(const std::string& channel, Handler handler)
@@ -85,7 +75,7 @@ catch (...)
 void Bus::publish(const std::string& channel, Bytes message)
 {
   if (lcm_.publish(channel, message.data(), static_cast<unsigned int>(message.size())) != 0)
-    throw Failure(ExitCode::no_bus, fmt::format("the LCM bus takes no message ({})", name_));
+    throw Failure(ExitCode::no_bus, fmt::format("the LCM bus takes no message: {}", trouble_));
 }
 
 void Bus::wait(Clock::time_point deadline)
@@ -98,7 +88,7 @@ void Bus::wait(Clock::time_point deadline)
   if (ppoll(&fd, 1, &timeout, &mask_while_waiting_) <= 0)
     return;
   if (lcm_.handle() != 0)
-    throw Failure(ExitCode::no_bus, fmt::format("the LCM bus cannot be read any more ({})", name_));
+    throw Failure(ExitCode::no_bus, fmt::format("the LCM bus cannot be read any more: {}", trouble_));
   if (thrown_)
     std::rethrow_exception(std::exchange(thrown_, nullptr));
 }
@@ -117,16 +107,23 @@ bool Bus::wait_for_model(const Channels& channels)
       model_ = std::move(model);
   };
   subscribe(channels.model, hear);
+  const auto wait_until = [this](Clock::time_point deadline)
+  {
+    while (!model_ && !stopped() && Clock::now() < deadline)
+      wait(deadline);
+  };
   constexpr std::chrono::seconds patience{5};
-  const auto deadline = Clock::now() + patience;
-  while (!model_ && !stopped() && Clock::now() < deadline)
-    wait(deadline);
+  const auto start = Clock::now();
+  wait_until(start + std::chrono::seconds(1));
+  if (!model_ && !stopped())
+    note(fmt::format("waiting for torqued to say on {} which robot it computes", channels.model));
+  wait_until(start + patience);
   if (!model_ && !stopped())
     throw Failure(
         ExitCode::no_bus,
-        fmt::format("no daemon has said on {} within {} s which robot it computes; is torqued running on this bus "
-                    "({}), with the same --prefix?",
-                    channels.model, patience.count(), name_));
+        fmt::format("no daemon has said on {} within {} s which robot it computes; is torqued running on this "
+                    "bus and network, with the same --prefix? Here {}",
+                    channels.model, patience.count(), trouble_));
   return !stopped();
 }
 

@@ -57,7 +57,7 @@ private:
   };
 
   sigset_t mask_while_waiting_;
-  std::string name_;
+  std::string trouble_;
   lcm::LCM lcm_;
   std::list<Subscription> subscriptions_; // LCM keeps their addresses
   std::exception_ptr thrown_;

@@ -118,7 +118,8 @@ Tally answer_all(const Robot& robot, const AnswerSettings& settings, const Traje
     else
     {
       fill(command, std::get<Answer>(answered), robot.model_id, id);
-      command.sequence = ++tally.answered;
+      tally.answer(command.flags);
+      command.sequence = tally.answered;
       writer.write(command);
     }
   }
@@ -146,8 +147,8 @@ ExitCode eval(const Options& options)
   AnswerWriter writer(options.out, robot, config, trajectory);
   const Tally tally = answer_all(robot, config.answers, trajectory, writer);
   writer.close();
-  fmt::print("{} of {} samples answered for {}, {}\n{}", tally.answered, trajectory.states.size(), robot.name,
-             tally.rejections(), tally.first_of_each());
+  fmt::print("{}: {} of {} samples answered, {}\n{}{}", robot.name, tally.answered, trajectory.states.size(),
+             tally.rejections(), tally.flag_line(), tally.first_of_each());
   return ExitCode::done;
 }
 
@@ -169,8 +170,9 @@ Subcommand add_eval(CLI::App& torquectl)
   add_method_option(*app, options->method, "how double support is resolved where a desired state does not say");
   add_prefix_option(*app, options->prefix);
   app->add_flag("--differentiate", options->differentiate,
-                "find the derivatives by a spline through the samples; CSV only");
+                "find the derivatives by a spline through the samples, six or more; CSV only");
   app->footer(
+      "Rejected samples have a row that says so; the exit code is 0 all the same.\n\n"
       "Example, in the source directory:\n"
       "  torquectl eval client/trajectories/subject01-walk/walk.csv --robot human-subject01 -o /tmp/answers.csv");
   return {app, [options]

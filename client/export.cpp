@@ -166,7 +166,7 @@ std::vector<std::string> next_answer(Answers& answers, const desired_state_t& st
   if (command.num_joints != model.num_joints)
     throw Failure(ExitCode::bad_data, fmt::format("{}: was answered with {} torques; expected {}, those of {}", place,
                                                   command.num_joints, model.num_joints, printable(model.name)));
-  ++tally.answered;
+  tally.answer(command.flags);
   return answer_cells(command);
 }
 
@@ -203,8 +203,8 @@ ExitCode export_log(const Options& options)
 
   const auto rows = static_cast<std::int64_t>(trajectory.states.size());
   if (options.out != "-")
-    fmt::print("{} of {} samples of {} answered, {} without an answer, {}\n{}", tally.answered, rows,
-               printable(model.name), rows - tally.answered - tally.num_rejected(), tally.rejections(),
+    fmt::print("{}: {} of {} samples answered, {} without an answer, {}\n{}{}", printable(model.name), tally.answered,
+               rows, rows - tally.answered - tally.num_rejected(), tally.rejections(), tally.flag_line(),
                tally.first_of_each());
   return ExitCode::done;
 }

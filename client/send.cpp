@@ -104,7 +104,7 @@ public:
     const std::int64_t now = microseconds(Clock::now());
     if (!decode(bytes, command) || command.stream_id != stream_id_ || outstanding_.erase(command.utime) == 0)
       return;
-    ++tally_.answered;
+    tally_.answer(command.flags);
     if (round_trips_.size() < kMostRoundTrips)
       round_trips_.push_back(now - command.utime);
     else
@@ -186,16 +186,19 @@ private:
   Clock::time_point next_{};
 };
 
-void print_text(const Ledger& ledger)
+void print_text(const std::string& robot, const Ledger& ledger)
 {
-  fmt::print("{} of {} samples answered, {} lost, {}\n{}", ledger.tally().answered, ledger.num_sent(),
-             ledger.num_lost(), ledger.tally().rejections(), ledger.tally().first_of_each());
+  const Tally& tally = ledger.tally();
+  fmt::print("{}: {} of {} samples answered, {} lost, {}\n{}{}", robot, tally.answered, ledger.num_sent(),
+             ledger.num_lost(), tally.rejections(), tally.flag_line(), tally.first_of_each());
+  if (ledger.num_lost() > 0)
+    fmt::print("  lost: newer samples superseded them (torqued --every-sample answers all), or they did not arrive\n");
   if (const auto p50 = ledger.percentile(0.5))
     fmt::print("round trip: p50 {} µs, p90 {} µs, p99 {} µs, max {} µs\n", *p50, *ledger.percentile(0.9),
                *ledger.percentile(0.99), *ledger.percentile(1.0));
 }
 
-void print_json(const Ledger& ledger)
+void print_json(const std::string& robot, const Ledger& ledger)
 {
   nlohmann::ordered_json reasons = nlohmann::ordered_json::object();
   for (const auto& [reason, rejected] : ledger.tally().rejected)
@@ -206,11 +209,13 @@ void print_json(const Ledger& ledger)
                   {"p90", *ledger.percentile(0.9)},
                   {"p99", *ledger.percentile(0.99)},
                   {"max", *ledger.percentile(1.0)}};
-  const nlohmann::ordered_json summary{{"sent", ledger.num_sent()},
+  const nlohmann::ordered_json summary{{"robot", robot},
+                                       {"sent", ledger.num_sent()},
                                        {"answered", ledger.tally().answered},
                                        {"rejected", ledger.tally().num_rejected()},
                                        {"lost", ledger.num_lost()},
                                        {"reasons", reasons},
+                                       {"flags", ledger.tally().flags},
                                        {"round_trip_us", round_trip}};
   fmt::print("{}\n", summary.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace));
 }
@@ -286,9 +291,9 @@ ExitCode send(const Options& options)
     bus.wait(end);
   ledger.give_up(INT64_MAX);
   if (options.json)
-    print_json(ledger);
+    print_json(printable(robot.name), ledger);
   else
-    print_text(ledger);
+    print_text(printable(robot.name), ledger);
   return ledger.tally().answered == ledger.num_sent() ? ExitCode::done : ExitCode::failed;
 }
 
@@ -311,7 +316,7 @@ Subcommand add_send(CLI::App& torquectl)
       ->excludes(speed);
   app->add_flag("--loop", options->loop, "begin again after the end, until Ctrl-C");
   app->add_flag("--differentiate", options->differentiate,
-                "find the derivatives by a spline through the samples; CSV only");
+                "find the derivatives by a spline through the samples, six or more; CSV only");
   add_method_option(*app, options->method, "the method that all desired states ask for");
   add_bus_option(*app, options->lcm_url);
   add_prefix_option(*app, options->prefix);
@@ -322,7 +327,7 @@ Subcommand add_send(CLI::App& torquectl)
       "rejected.\n\n"
       "Example, in the source directory, on a bus of this machine alone:\n"
       "  export LCM_DEFAULT_URL='udpm://239.255.76.67:7667?ttl=0'\n"
-      "  torqued --robot human-subject01 & sleep 1\n"
+      "  torqued --robot human-subject01 --every-sample & sleep 1\n"
       "  torquectl send client/trajectories/subject01-walk/walk.csv; kill $!");
   return {app, [options]
           {

@@ -1,11 +1,33 @@
 #include "client/tally.h"
 
+#include "client/answer_table.h"
 #include "torque/refusal.h"
 
 #include <fmt/format.h>
 
 namespace torqued
 {
+
+namespace
+{
+
+// "NAME 3, OTHER 1"
+template <typename Counts, typename Name, typename Count> std::string list(const Counts& counts, Name name, Count count)
+{
+  std::string text;
+  for (const auto& [key, value] : counts)
+    text += fmt::format("{}{} {}", text.empty() ? "" : ", ", name(key), count(value));
+  return text;
+}
+
+} // namespace
+
+void Tally::answer(std::int32_t its_flags)
+{
+  ++answered;
+  for (const std::string& name : flag_names(its_flags))
+    ++flags[name];
+}
 
 void Tally::reject(std::int32_t reason, const std::string& first)
 {
@@ -24,14 +46,19 @@ std::int64_t Tally::num_rejected() const
 
 std::string Tally::rejections() const
 {
-  std::string text = fmt::format("{} rejected", num_rejected());
-  std::string_view separator = ": ";
-  for (const auto& [reason, so_far] : rejected)
+  const std::string by_reason = list(rejected, reason_name, [](const Rejected& so_far) { return so_far.count; });
+  return fmt::format("{} rejected{}{}", num_rejected(), by_reason.empty() ? "" : ": ", by_reason);
+}
+
+std::string Tally::flag_line() const
+{
+  if (flags.empty())
+    return "";
+  const auto same = [](const auto& value)
   {
-    text += fmt::format("{}{} {}", separator, reason_name(reason), so_far.count);
-    separator = ", ";
-  }
-  return text;
+    return value;
+  };
+  return fmt::format("flags: {}\n", list(flags, same, same));
 }
 
 std::string Tally::first_of_each() const

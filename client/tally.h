@@ -19,13 +19,17 @@ struct Tally
 
   std::int64_t answered = 0;
   std::map<std::int32_t, Rejected> rejected; ///< key: reason, as in rejection_t
+  std::map<std::string, std::int64_t> flags; ///< answers by the flags they carry
 
+  void answer(std::int32_t its_flags);
   /// first: kept if it is the first of its reason.
   void reject(std::int32_t reason, const std::string& first);
   std::int64_t num_rejected() const;
 
   /// "19 rejected: UNDER_ACTUATED 12, STALE 7".
   std::string rejections() const;
+  /// "flags: INCONSISTENT 447, TIPS 3" in a line of its own; empty if no answer carries any.
+  std::string flag_line() const;
   /// One line for each reason: "UNDER_ACTUATED, first: …".
   std::string first_of_each() const;
 };

@@ -20,8 +20,8 @@ namespace torqued
 class Process
 {
 public:
-  /// output: a file that takes what it prints on both streams.
-  Process(std::vector<std::string> command, const std::string& output)
+  /// output: a file that takes what it prints; errors: one for what it prints on stderr, if not the same.
+  Process(std::vector<std::string> command, const std::string& output, const std::string& errors = "")
   {
     std::vector<char*> arguments;
     for (std::string& word : command)
@@ -30,7 +30,10 @@ public:
     posix_spawn_file_actions_t actions;
     posix_spawn_file_actions_init(&actions);
     posix_spawn_file_actions_addopen(&actions, 1, output.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0600);
-    posix_spawn_file_actions_adddup2(&actions, 1, 2);
+    if (errors.empty())
+      posix_spawn_file_actions_adddup2(&actions, 1, 2);
+    else
+      posix_spawn_file_actions_addopen(&actions, 2, errors.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0600);
     const int error = posix_spawnp(&pid_, arguments[0], &actions, nullptr, arguments.data(), environ);
     posix_spawn_file_actions_destroy(&actions);
     if (error != 0)

@@ -156,7 +156,7 @@ TEST_CASE("eval answers the measured walk, one row for each of its rows", "[torq
   const Run eval = run({"eval", kWalk, "--robot", "human-subject01", "-o", out});
   CHECK(eval.code == 0);
   CHECK(eval.err == "");
-  CHECK(eval.out == "447 of 447 samples answered for human-subject01, 0 rejected\n");
+  CHECK(eval.out == "human-subject01: 447 of 447 samples answered, 0 rejected\nflags: INCONSISTENT 447, TIPS 110\n");
 
   const auto table = rows(out);
   const Trajectory walk = read_walk(robot);
@@ -252,7 +252,7 @@ TEST_CASE("eval says which samples were rejected and why, and answers the others
   const Run eval = run({"eval", in, "-o", csv});
   CHECK(eval.code == 0);
   CHECK(eval.out ==
-        fmt::format("1 of 4 samples answered for ck, 3 rejected: OUT_OF_RANGE 1, UNKNOWN_METHOD 1, "
+        fmt::format("ck: 1 of 4 samples answered, 3 rejected: OUT_OF_RANGE 1, UNKNOWN_METHOD 1, "
                     "NOT_SUPPORTED 1\n"
                     "  OUT_OF_RANGE, first: {0}:3: load_transfer is 2; expected 0 to 1\n"
                     "  UNKNOWN_METHOD, first: {0}:5: method is 77; expected {1}\n"
@@ -293,9 +293,8 @@ TEST_CASE("eval takes the daemon's configuration, and flags win over it", "[torq
   const std::string config = folder.write("c.toml", "robot = \"human-subject01\"\nconsistency = \"refuse\"\n");
   const std::string out = folder.file("out.csv");
   CHECK(run({"eval", kWalk, "--config", config, "-o", out})
-            .out.starts_with("0 of 447 samples answered for human-subject01, 447 rejected: INCONSISTENT 447\n"));
-  CHECK(run({"eval", kWalk, "--config", config, "--robot", "ck", "-o", out}).out.find("samples answered for ck, ") !=
-        std::string::npos);
+            .out.starts_with("human-subject01: 0 of 447 samples answered, 447 rejected: INCONSISTENT 447\n"));
+  CHECK(run({"eval", kWalk, "--config", config, "--robot", "ck", "-o", out}).out.find("ck: ") != std::string::npos);
 }
 
 TEST_CASE("a log of another robot is said to be one", "[torquectl_eval]")
@@ -350,8 +349,8 @@ TEST_CASE("an exported log reads back as the same desired states, beside their a
   const Run exported = run({"export", log_file, "-o", csv});
   CHECK(exported.code == 0);
   CHECK(exported.err == "");
-  CHECK(exported.out == fmt::format("445 of 447 samples of human-subject01 answered, 1 without an answer, 1 rejected: "
-                                    "STALE 1\n  STALE, first: {}: record 14: late\n",
+  CHECK(exported.out == fmt::format("human-subject01: 445 of 447 samples answered, 1 without an answer, 1 rejected: "
+                                    "STALE 1\nflags: INCONSISTENT 445, TIPS 110\n  STALE, first: {}: record 14: late\n",
                                     log_file));
 
   // the desired states

@@ -139,7 +139,7 @@ TEST_CASE("quotes, spaces, line ends of other systems and a byte order mark chan
   const desired_state_t plain = only_state(table({}));
   std::string text = table({});
   for (std::size_t at = 0; (at = text.find('\n', at)) != std::string::npos; at += 2)
-    text.insert(at, "\r");
+    text.insert(at, 1, '\r');
   CHECK(same(only_state(text), plain));
   CHECK(same(only_state("\xef\xbb\xbf" + table({})), plain));
   CHECK(same(only_state(table({{"p0", "  1\t"}, {"p1", "\"2\""}, {"dp0", " \"3\" "}})), plain));

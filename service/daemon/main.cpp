@@ -1,6 +1,7 @@
 #include "daemon/config.h"
 #include "daemon/lcm_loop.h"
 #include "robot/strict_toml.h"
+#include "wire/bus_trouble.h"
 
 #include <CLI/CLI.hpp>
 #include <cstdio>
@@ -28,7 +29,7 @@ struct Exit
 };
 
 // The command line over the configuration file over the defaults; nothing if the command line only asked for words.
-std::optional<Config> configure(int argc, char** argv, int& exit_code)
+std::optional<Config> configure(int argc, char** argv)
 {
   std::vector<std::string_view> methods;
   for (const NamedMethod& known : kMethods)
@@ -67,7 +68,9 @@ std::optional<Config> configure(int argc, char** argv, int& exit_code)
   }
   catch (const CLI::ParseError& error)
   {
-    exit_code = app.exit(error) == 0 ? EX_OK : EX_USAGE;
+    if (error.get_exit_code() != 0)
+      throw Exit{EX_USAGE, fmt::format("{}; torqued --help says what is right", error.what())};
+    app.exit(error);
     return {};
   }
 
@@ -109,19 +112,6 @@ int stop_signals()
   return signalfd(-1, &signals, SFD_CLOEXEC);
 }
 
-// for complaints: which bus was meant, and who said so
-std::string bus_name(const Config& config)
-{
-  if (!config.lcm_url.empty())
-    return fmt::format("lcm_url is \"{}\"", config.lcm_url);
-  if (const char* url = std::getenv("LCM_DEFAULT_URL"))
-    return fmt::format("LCM_DEFAULT_URL is \"{}\"", url);
-  return "neither --lcm-url nor LCM_DEFAULT_URL is set, so LCM's own default was tried";
-}
-
-constexpr std::string_view kRouteHint = "Within one machine LCM needs: ip link set lo up multicast on; "
-                                        "ip route add 224.0.0.0/4 dev lo";
-
 int serve(const Config& config)
 {
   const Robot robot = load_robot(config.robot);
@@ -132,13 +122,12 @@ int serve(const Config& config)
 
   lcm::LCM bus(config.lcm_url);
   if (!bus.good())
-    throw Exit{EX_UNAVAILABLE, fmt::format("the LCM bus cannot be opened: {}. {}", bus_name(config), kRouteHint)};
+    throw Exit{EX_UNAVAILABLE, fmt::format("the LCM bus cannot be opened: {}", bus_trouble(config.lcm_url))};
   LcmLoop loop(bus, robot, config, *log,
                [pool = spdlog::thread_pool()] { return static_cast<std::int64_t>(pool->overrun_counter()); });
   if (!loop.prove_bus())
-    throw Exit{EX_UNAVAILABLE,
-               fmt::format("the LCM bus does not carry messages, not even to this process itself: {}. {}",
-                           bus_name(config), kRouteHint)};
+    throw Exit{EX_UNAVAILABLE, fmt::format("the LCM bus does not carry messages, not even to this process itself: {}",
+                                           bus_trouble(config.lcm_url))};
   log->info("answering {} on {}TORQUED_DESIRED, {:.1f} kg, {} joints, method {}", robot.name, config.prefix,
             robot.mechanism.mass(), robot.num_joints(), name_of(config.answers.methods.method));
   flush_denormals();
@@ -153,9 +142,8 @@ int serve(const Config& config)
 int main(int argc, char** argv)
 try
 {
-  int exit_code = EX_OK;
-  const std::optional<Config> config = configure(argc, argv, exit_code);
-  return config ? serve(*config) : exit_code;
+  const std::optional<Config> config = configure(argc, argv);
+  return config ? serve(*config) : EX_OK;
 }
 catch (const Exit& exit)
 {
