@@ -9,14 +9,32 @@ using namespace torqued;
 namespace
 {
 
-// A level foot at the origin; its reaction when force f acts at x along the sole.
+// A foot at the origin, on which force f acts at x along the sole.
+struct Loaded
+{
+  FootPose pose;
+  Wrench wrench;
+};
+
+Loaded load_at(const Robot& robot, double x, Eigen::Vector2d f, double tilt = 0.0)
+{
+  Loaded loaded;
+  loaded.pose.e = {std::cos(tilt), std::sin(tilt)};
+  const Eigen::Vector2d r = rotate(loaded.pose.e, {x, -robot.foot(Side::left).ankle_height()});
+  loaded.wrench = {f.x(), f.y(), cross(r, f)};
+  return loaded;
+}
+
 GroundReaction reaction_at(const Robot& robot, double x, Eigen::Vector2d f, double tilt = 0.0)
 {
-  const Foot& foot = robot.foot(Side::left);
-  FootPose pose;
-  pose.e = {std::cos(tilt), std::sin(tilt)};
-  const Eigen::Vector2d r = rotate(pose.e, {x, -foot.ankle_height()});
-  return ground_reaction(robot, foot, pose, {f.x(), f.y(), cross(r, f)});
+  const Loaded loaded = load_at(robot, x, f, tilt);
+  return ground_reaction(robot, robot.foot(Side::left), loaded.pose, loaded.wrench);
+}
+
+std::int32_t flags_at(const Robot& robot, Contact contact, double x, Eigen::Vector2d f, double tilt = 0.0)
+{
+  const Loaded loaded = load_at(robot, x, f, tilt);
+  return contact_flags(robot, robot.foot(Side::left), loaded.pose, contact, loaded.wrench);
 }
 
 } // namespace
@@ -42,16 +60,15 @@ TEST_CASE("a foot without load has no centre of pressure and no friction ratio",
   const GroundReaction reaction = reaction_at(robot, 0.1, {1e-4, 4e-4}); // weight 441 N
   CHECK(reaction.cop == 0.0);
   CHECK(reaction.friction_ratio == 0.0);
-  CHECK(contact_flags(robot, robot.foot(Side::left), Contact::sole, reaction) == 0);
+  CHECK(flags_at(robot, Contact::sole, 0.1, {1e-4, 4e-4}) == 0);
 }
 
 TEST_CASE("each contact condition has its flag, on the right side of its boundary", "[checks]")
 {
   const Robot robot = load_robot("ck"); // friction 0.6, sole from −0.07 to 0.15
-  const Foot& foot = robot.foot(Side::left);
-  const auto flags = [&](Contact contact, double x, Eigen::Vector2d f)
+  const auto flags = [&](Contact contact, double x, Eigen::Vector2d f, double tilt = 0.0)
   {
-    return contact_flags(robot, foot, contact, reaction_at(robot, x, f));
+    return flags_at(robot, contact, x, f, tilt);
   };
   CHECK(flags(Contact::sole, 0.0, {0.0, 400.0}) == 0);
   CHECK(flags(Contact::sole, 0.0, {239.9, 400.0}) == 0);
@@ -65,6 +82,24 @@ TEST_CASE("each contact condition has its flag, on the right side of its boundar
   CHECK(flags(Contact::sole, -0.07, {0.0, 400.0}) == 0);
   CHECK(flags(Contact::toe, 0.151, {0.0, 400.0}) == 0);
   CHECK(flags(Contact::none, 0.151, {500.0, -400.0}) == 0);
+  CHECK(flags(Contact::sole, 0.149, {0.0, 400.0}, 0.5) == 0);
+  CHECK(flags(Contact::sole, 0.151, {0.0, 400.0}, 0.5) == flag::tips);
+
+  // a moment without a force tips, too
+  FootPose level;
+  level.e = {1.0, 0.0};
+  CHECK(contact_flags(robot, robot.foot(Side::left), level, Contact::sole, {0.0, 0.0, 1.0}) == flag::tips);
+  CHECK(contact_flags(robot, robot.foot(Side::left), level, Contact::sole, {0.0, 0.0, -1.0}) == flag::tips);
+}
+
+TEST_CASE("a sole that stands upright has no centre of pressure to speak of", "[checks]")
+{
+  // the force runs along the sole: their lines do not meet
+  const Robot robot = load_robot("ck");
+  FootPose upright;
+  upright.e = {0.0, 1.0};
+  const GroundReaction reaction = ground_reaction(robot, robot.foot(Side::left), upright, {0.0, 400.0, 10.0});
+  CHECK(reaction.cop == 0.0);
 }
 
 TEST_CASE("the zero-moment point is where the total force crosses the ground", "[checks]")

@@ -283,15 +283,10 @@ TEST_CASE("what the daemon says arrives as it was said, and damaged not at all",
       }
   };
 
-  Answer answer{};
-  answer.torque = VectorJ::LinSpaced(6, 1.0, 6.0);
-  answer.flags = 5;
-  answer.ground[1].wrench = {1.0, 2.0, 3.0};
   torque_command_t command{};
-  fill(command, answer, 7, 8);
-  CHECK(command.num_joints == 6);
-  CHECK(command.torque == std::vector<double>{1, 2, 3, 4, 5, 6});
-  CHECK(command.right.moment == 3.0);
+  fill(command, Answer{}, 7, 8);
+  command.num_joints = 6;
+  command.torque.resize(6);
   check(command, torque_command_t());
 
   rejection_t rejection{};
@@ -309,6 +304,85 @@ TEST_CASE("what the daemon says arrives as it was said, and damaged not at all",
   CHECK(info.num_feet == 2);
   CHECK(info.total_mass == robot.mechanism.mass());
   check(info, model_info_t());
+}
+
+TEST_CASE("each part of an answer stands in its field of the command", "[codec]")
+{
+  Answer answer;
+  answer.utime = 1;
+  answer.stream_id = 2;
+  answer.method = Method::linear_transition;
+  answer.flags = 5;
+  answer.ground[0] = {{6.0, 7.0, 8.0}, 9.0, 10.0};
+  answer.ground[1] = {{11.0, 12.0, 13.0}, 14.0, 15.0};
+  answer.zmp = 16.0;
+  answer.dynamics_residual = 17.0;
+  answer.contact_speed = 18.0;
+  answer.contact_residual = 19.0;
+  answer.torque = VectorJ::LinSpaced(3, 20.0, 22.0);
+  torque_command_t command{};
+  fill(command, answer, 3, 4);
+  CHECK(command.utime == 1);
+  CHECK(command.stream_id == 2);
+  CHECK(command.model_id == 3);
+  CHECK(command.settings_id == 4);
+  CHECK(command.method == 2);
+  CHECK(command.flags == 5);
+  CHECK(command.left.fx == 6.0);
+  CHECK(command.left.fz == 7.0);
+  CHECK(command.left.moment == 8.0);
+  CHECK(command.left.cop == 9.0);
+  CHECK(command.left.friction_ratio == 10.0);
+  CHECK(command.right.fx == 11.0);
+  CHECK(command.right.fz == 12.0);
+  CHECK(command.right.moment == 13.0);
+  CHECK(command.right.cop == 14.0);
+  CHECK(command.right.friction_ratio == 15.0);
+  CHECK(command.zmp == 16.0);
+  CHECK(command.dynamics_residual == 17.0);
+  CHECK(command.contact_speed == 18.0);
+  CHECK(command.contact_residual == 19.0);
+  CHECK(command.num_joints == 3);
+  CHECK(command.torque == std::vector<double>{20.0, 21.0, 22.0});
+}
+
+TEST_CASE("each part of a robot stands in its field of the model", "[codec]")
+{
+  std::string text(shipped_robot_toml("ck"));
+  const std::string limit = "torque_limit = 150.0";
+  text.replace(text.find(limit), limit.size(), "torque_limit = 140.0\nrate_limit = 9.0\noffset = 0.5");
+  const model_info_t info = model_info(read_toml_robot(text, "r.toml"), 1, 2, "settings");
+  CHECK(info.instance_id == 1);
+  CHECK(info.settings_id == 2);
+  CHECK(info.settings == "settings");
+  CHECK(info.name == "ck");
+  CHECK(info.gravity == 9.81);
+  CHECK(info.absolute_names[6] == "q6");
+  CHECK(info.relative_names[0] == "left_ankle");
+  CHECK(info.base_names[0] == "xH");
+  CHECK(info.base_names[1] == "zH");
+  CHECK(info.A[0] == std::vector<double>{-1, 1, 0, 0, 0, 0, 0});
+  CHECK(info.b[0] == 0.5);
+  CHECK(info.joint_names[1] == "left_knee");
+  CHECK(info.torque_limits[0] == 140.0);
+  CHECK(info.rate_limits[0] == 9.0);
+  CHECK(info.link_names[1] == "left_shin");
+  CHECK(info.parents == std::vector<std::int32_t>{1, 2, 6, 6, 3, 4, -1});
+  CHECK(info.joint_kinds[0] == model_info_t::REVOLUTE);
+  CHECK(info.joint_kinds[6] == model_info_t::FLOATING);
+  CHECK(info.joint_positions[1] == std::vector<double>{0.0, -0.4});
+  CHECK(info.link_coordinates == std::vector<std::int32_t>{0, 1, 2, 3, 4, 5, 6});
+  CHECK(info.num_segments == 11);
+  CHECK(info.segment_links[3] == 1);
+  CHECK(info.segment_from[3] == std::vector<double>{0.0, 0.0});
+  CHECK(info.segment_to[3] == std::vector<double>{0.0, -0.39});
+  CHECK(info.segment_widths[3] == 0.05);
+  CHECK(info.foot_sides[1] == model_info_t::RIGHT);
+  CHECK(info.foot_links == std::vector<std::int32_t>{0, 5});
+  CHECK(info.foot_ankles[0] == std::vector<double>{0.0, 0.0});
+  CHECK(info.foot_heels[0] == std::vector<double>{-0.07, -0.065});
+  CHECK(info.foot_toes[0] == std::vector<double>{0.15, -0.065});
+  CHECK(info.foot_friction[0] == 0.6);
 }
 
 TEST_CASE("messages on the fast path stay within one Ethernet frame for the largest robot", "[codec]")

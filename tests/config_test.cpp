@@ -93,9 +93,9 @@ TEST_CASE("a bad configuration is refused with line, key and what would be right
   CHECK(complaint("\nrobots = \"ck\"").starts_with(":2: robots: is not known here; known are: consistency,"));
   CHECK(complaint("robot = 3") == ":1: robot: found 3; expected a text in quotes");
   CHECK(complaint("every_sample = 1") == ":1: every_sample: found 1; expected true or false");
-  CHECK(complaint("max_age = 0") == ":1: max_age: found 0; expected a positive number");
+  CHECK(complaint("max_age = 0") == ":1: max_age: found 0; expected a positive number of seconds, up to 3600");
   CHECK(complaint("max_age = nan") == ":1: max_age: found nan; expected a finite number");
-  CHECK(complaint("deadline = -1") == ":1: deadline: found -1; expected a positive number");
+  CHECK(complaint("deadline = -1") == ":1: deadline: found -1; expected a positive number of seconds, up to 3600");
   CHECK(complaint("contact_tolerance = -0.1") ==
         ":1: contact_tolerance: found -0.1; expected a number that is not negative");
   CHECK(complaint("consistency = \"clamp\"") == ":1: consistency: found \"clamp\"; expected one of: flag, refuse");
@@ -111,7 +111,12 @@ TEST_CASE("a bad configuration is refused with line, key and what would be right
   CHECK(complaint("[linear_transition]\ncops = 1").starts_with(":2: linear_transition: cops: is not known here"));
   CHECK(complaint("infeasible = \"relax\"").starts_with(":1: infeasible: is not known here"));
   CHECK(complaint("robot = ").starts_with(":1: not TOML: "));
+  CHECK(complaint("max_age = 1e300").starts_with(":1: max_age: found 1e+300; expected a positive number of seconds"));
+  CHECK(complaint("robot = \"a\\nb\"") == ":1: robot: found \"a?b\"; expected a text without control characters");
+  CHECK(complaint("lcm_url = \"\\u001b[2J\"").starts_with(":1: lcm_url: found \"?[2J\"; expected a text"));
+  CHECK(complaint("\"a\\nb\" = 1").starts_with(":1: a?b: is not known here"));
   CHECK_THROWS_AS(read_config("/no/such/file.toml"), FileError);
+  CHECK_THROWS_AS(read_config("/dev/zero"), FileError);
 }
 
 TEST_CASE("the settings id changes with every setting that changes answers, and with no other", "[config]")

@@ -2,6 +2,7 @@
 
 #include "daemon/lcm_loop.h"
 
+#include <cstring>
 #include <memory>
 #include <spdlog/logger.h>
 #include <sys/eventfd.h>
@@ -21,6 +22,8 @@ public:
   {
     for (const std::string& channel : {channels_.command, channels_.rejected, channels_.status, channels_.model})
       bus_.subscribeFunction(channel, &Bench::hear, this);
+    bus_.subscribeFunction("SLEEP", &Bench::sleep, this);
+    loop_.listen();
   }
 
   const Robot& robot() const { return robot_; }
@@ -45,6 +48,9 @@ public:
   }
   void send(Bytes bytes) { bus_.publish(channels_.desired, bytes.data(), static_cast<unsigned>(bytes.size())); }
 
+  // the process stands still for this long (µs) while the loop deals with its messages
+  void send_sleep(int us) { bus_.publish("SLEEP", &us, sizeof us); }
+
   // lets the loop work until it has nothing more to do, and this listener has heard all it said
   void settle()
   {
@@ -60,6 +66,12 @@ public:
   std::vector<model_info_t> models;
 
 private:
+  static void sleep(const lcm::ReceiveBuffer* buffer, const std::string&, Bench*)
+  {
+    int us = 0;
+    std::memcpy(&us, buffer->data, sizeof us);
+    usleep(static_cast<useconds_t>(us));
+  }
   static void hear(const lcm::ReceiveBuffer* buffer, const std::string& channel, Bench* bench)
   {
     bench->keep(Bytes(static_cast<const std::byte*>(buffer->data), buffer->data_size), channel);
@@ -175,7 +187,11 @@ TEST_CASE("a sample that took longer than max_age is stale, unless every sample 
     Bench bench(config);
     bench.send(bench.standing(1'000'000));
     bench.settle();
-    usleep(30'000);
+    for (int i = 0; i < 6; ++i)
+    {
+      usleep(5000);
+      bench.loop().cycle(0.0);
+    }
     bench.send(bench.standing(1'001'000));
     bench.settle();
     CHECK(bench.commands.size() == (every ? 2u : 1u));
@@ -210,23 +226,85 @@ TEST_CASE("the bus is proven, model and status come at the start, and STOPPING l
   CHECK(stopping == 1);
 }
 
-TEST_CASE("an answer that took longer than the deadline is marked late", "[lcm_loop]")
+TEST_CASE("an answer that took longer than the deadline is marked late, and counted", "[lcm_loop]")
 {
-  Config config = every_sample();
-  config.deadline = 1e-9; // nothing is that fast
-  Bench bench(config);
-  bench.send(bench.standing(1));
+  Bench bench;
+  bench.send(bench.standing(1000));
+  bench.send_sleep(3000);
   bench.settle();
   REQUIRE(bench.commands.size() == 1);
-  // the clock counts whole microseconds: an answer within the same one is in time
+  CHECK((bench.commands[0].flags & torque_command_t::LATE) != 0);
   usleep(110'000);
   bench.settle();
-  const bool late = (bench.commands[0].flags & torque_command_t::LATE) != 0;
-  CHECK(bench.statuses.back().late == (late ? 1 : 0));
+  CHECK(bench.statuses.back().late == 1);
 
+  Config config;
   config.deadline = 10.0;
   Bench relaxed(config);
-  relaxed.send(relaxed.standing(1));
+  relaxed.send(relaxed.standing(1000));
+  relaxed.send_sleep(3000);
   relaxed.settle();
+  REQUIRE(relaxed.commands.size() == 1);
   CHECK((relaxed.commands[0].flags & torque_command_t::LATE) == 0);
+}
+
+TEST_CASE("after an own stall no old sample is answered, and the stream is not given away", "[lcm_loop]")
+{
+  // the stall lies between two messages that one cycle deals with
+  Bench bench;
+  bench.send(bench.standing(1'000'000));
+  bench.settle();
+  REQUIRE(bench.commands.size() == 1);
+  bench.send(bench.standing(1'001'000));
+  bench.send_sleep(300'000);
+  bench.send(bench.standing(1'002'000));
+  bench.send(bench.standing(5'000'000, 9));
+  bench.settle();
+  CHECK(bench.commands.size() == 1);
+  REQUIRE(bench.rejections.size() == 2);
+  CHECK(bench.rejections[0].reason == rejection_t::OTHER_STREAM);
+  CHECK(bench.rejections[1].reason == rejection_t::STALE);
+  CHECK(bench.rejections[1].utime == 1'002'000);
+}
+
+TEST_CASE("of a backlog as long as the queue only the newest is answered", "[lcm_loop]")
+{
+  Bench bench;
+  for (std::int64_t utime = 1; utime <= 5000; ++utime)
+    bench.send(bench.standing(utime));
+  bench.settle();
+  CHECK(utimes(bench.commands) == std::vector<std::int64_t>{5000});
+  CHECK(bench.rejections.empty());
+}
+
+TEST_CASE("the status tells latency, silence and whose status it is", "[lcm_loop]")
+{
+  Bench bench(every_sample());
+  bench.settle(); // the first status is out
+  for (std::int64_t utime = 1; utime <= 5; ++utime)
+    bench.send(bench.standing(utime));
+  bench.settle();
+  REQUIRE(bench.commands.size() == 5);
+  for (const torque_command_t& command : bench.commands)
+    CHECK(command.compute_ns > 0);
+  usleep(110'000);
+  bench.settle();
+  const status_t running = bench.statuses.back();
+  CHECK(running.latency_us_max > 0.0);
+  CHECK(running.latency_us_p50 <= running.latency_us_p90);
+  CHECK(running.latency_us_p999 <= running.latency_us_max);
+  CHECK(running.uptime_us >= 110'000);
+  CHECK(running.last_reason == 0);
+  CHECK(running.model_id == bench.robot().model_id);
+
+  // silent for more than 5 max_age, in small steps: this is the sender's silence, not a stall of our own
+  for (int i = 0; i < 30; ++i)
+  {
+    usleep(5000);
+    bench.loop().cycle(0.0);
+  }
+  usleep(10'000);
+  bench.settle();
+  CHECK(bench.statuses.back().state == status_t::STALE);
+  CHECK(bench.statuses.back().latency_us_max == 0.0);
 }

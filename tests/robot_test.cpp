@@ -269,3 +269,41 @@ TEST_CASE("without actuators in the file each link that turns is driven against 
   CHECK(robot.A(0, 1) == -1.0);
   CHECK(std::isinf(robot.actuators[0].torque_limit));
 }
+
+TEST_CASE("a file nested deeper than the parser can go is refused", "[robot]")
+{
+  std::string dotted;
+  for (int i = 0; i < 300'000; ++i)
+    dotted += "a.";
+  dotted += "a";
+  std::string brackets(300'000, '[');
+  for (const std::string& text :
+       {dotted + " = 1", "\n[" + dotted + "]", "\n[[" + dotted + "]]", "x = {" + dotted + " = 1}", "x = " + brackets})
+  {
+    const std::string found = complaint(text);
+    CAPTURE(found);
+    CHECK(found.starts_with("r.toml:"));
+    CHECK(found.size() < 300);
+  }
+}
+
+TEST_CASE("numbers that are useless together are refused", "[robot]")
+{
+  for (const auto& [from, to] :
+       std::vector<std::pair<std::string, std::string>>{{"mass = 29.2", "mass = 1e308"},
+                                                        {"gravity = 9.81", "gravity = 1e300"},
+                                                        {"gravity = 9.81", "gravity = 1e-300"},
+                                                        {"at = [0.0, -0.39]", "at = [0.0, 1e200]"},
+                                                        {"inertia = 0.81", "inertia = 1e30"}})
+  {
+    const std::string found = complaint(changed(from, to));
+    CAPTURE(from, to, found);
+    CHECK(found.starts_with("r.toml:1: the robot weighs "));
+  }
+  std::string strokes = "draw = [";
+  for (int i = 0; i < 17; ++i)
+    strokes += "{ from = [0, 0], to = [0, 1] }, ";
+  const std::string draw = "draw = [{ from = [0.0, 0.0], to = [0.0, 0.5], width = 0.12 }]";
+  CHECK(complaint(changed(draw, strokes + "]")).find("link 'trunk': draw: found 17 strokes; expected at most 16") !=
+        std::string::npos);
+}

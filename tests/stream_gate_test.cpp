@@ -78,6 +78,20 @@ TEST_CASE("clocks that drift apart heal within the ten seconds that are remember
     REQUIRE(pass(gate, 7, t - t / 1000, t) == "");
 }
 
+TEST_CASE("the freshest sample counts for ten seconds, and no longer", "[stream_gate]")
+{
+  for (const auto& [after, age] : {std::pair(9 * kSecond, "STALE"), std::pair(11 * kSecond, "")})
+  {
+    StreamGate gate(kMaxAge);
+    CHECK(pass(gate, 7, 0, 0) == "");
+    // everything later comes 15 ms late: still accepted
+    for (std::int64_t t = 10'000; t < after; t += 10'000)
+      REQUIRE(pass(gate, 7, t, t + 15'000) == "");
+    // and now 30 ms late: too old against the first, fine against the others
+    CHECK(pass(gate, 7, after, after + 30'000) == age);
+  }
+}
+
 TEST_CASE("a sender whose clock jumps heals itself", "[stream_gate]")
 {
   StreamGate gate(kMaxAge);

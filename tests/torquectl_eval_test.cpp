@@ -114,6 +114,7 @@ public:
   explicit Daemon(const Robot& robot) : loop_(bus_, robot, every_sample(), log_, [] { return std::int64_t{0}; })
   {
     bus_.subscribeFunction("TORQUED_COMMAND", &Daemon::hear, this);
+    loop_.listen();
   }
   std::map<std::int64_t, torque_command_t> answers; // by utime
 

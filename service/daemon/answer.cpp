@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <optional>
 
 #if defined(__SSE2__)
@@ -40,7 +41,10 @@ std::optional<Refusal> apply_limits(const Robot& robot, const AnswerSettings& se
 {
   constexpr double rounding = 1.0 + 1e-9;
   const bool follows = memory.answered && memory.stream_id == desired.stream_id && memory.utime < desired.utime;
-  const double dt = follows ? 1e-6 * (static_cast<double>(desired.utime) - static_cast<double>(memory.utime)) : 0.0;
+  std::int64_t elapsed = 0;
+  if (follows && __builtin_sub_overflow(desired.utime, memory.utime, &elapsed))
+    elapsed = std::numeric_limits<std::int64_t>::max();
+  const double dt = 1e-6 * static_cast<double>(elapsed);
   for (int j = 0; j < robot.num_joints(); ++j)
   {
     const Actuator& actuator = robot.actuators[static_cast<std::size_t>(j)];
@@ -126,15 +130,16 @@ Result<Answer> answer(const Robot& robot, const AnswerSettings& settings, const 
   for (std::size_t side = 0; side < 2; ++side)
   {
     answer.ground[side] = ground_reaction(robot, robot.feet[side], equations.feet[side], solution.ground[side]);
-    flags |= contact_flags(robot, robot.feet[side], desired.support.contact[side], answer.ground[side]);
+    flags |= contact_flags(robot, robot.feet[side], equations.feet[side], desired.support.contact[side],
+                           solution.ground[side]);
   }
   answer.zmp = zero_moment_point(robot, equations);
-  answer.dynamics_residual = solution.residual;
   answer.contact_speed = equations.contact_speed;
   answer.contact_residual = equations.contact_residual;
   answer.torque = solution.torque;
   if (const auto refusal = apply_limits(robot, settings, desired, memory, answer.torque, flags))
     return *refusal;
+  answer.dynamics_residual = dynamics_residual(robot, equations, solution.w, answer.torque);
   answer.flags = flags;
   if (!all_finite(answer))
     return Refusal(Reason::numerical, "a result is not finite; the motion's numbers are too large");

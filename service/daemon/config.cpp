@@ -38,11 +38,22 @@ OnExcess read_on_excess(StrictTable& table, std::string_view key, OnExcess fallb
   return static_cast<OnExcess>(table.choice(key, words, static_cast<int>(fallback)));
 }
 
-double read_positive(StrictTable& table, std::string_view key, double fallback)
+// a time in s
+double read_duration(StrictTable& table, std::string_view key, double fallback)
 {
+  constexpr double longest = 3600.0;
   const double value = table.number(key, fallback);
-  if (!(value > 0.0))
-    table.fail(key, fmt::format("found {}; expected a positive number", value));
+  if (!(value > 0.0 && value <= longest))
+    table.fail(key, fmt::format("found {}; expected a positive number of seconds, up to {}", value, longest));
+  return value;
+}
+
+// a name or an address, which no line end or control character is part of
+std::string read_plain(StrictTable& table, std::string_view key, const std::string& fallback)
+{
+  const std::string value = table.text(key, fallback);
+  if (std::any_of(value.begin(), value.end(), [](char c) { return static_cast<unsigned char>(c) < 0x20 || c == 0x7f; }))
+    table.fail(key, fmt::format("found \"{}\"; expected a text without control characters", StrictTable::shown(value)));
   return value;
 }
 
@@ -76,7 +87,8 @@ void set_method(Config& config, const std::string& name)
       return;
     }
   }
-  throw std::invalid_argument(fmt::format("found \"{}\"; expected one of: {}", name, fmt::join(names, ", ")));
+  throw std::invalid_argument(
+      fmt::format("found \"{}\"; expected one of: {}", StrictTable::shown(name), fmt::join(names, ", ")));
 }
 
 void set_prefix(Config& config, const std::string& prefix)
@@ -89,15 +101,16 @@ void set_prefix(Config& config, const std::string& prefix)
   };
   constexpr std::size_t longest = 32;
   if (prefix.size() > longest || !std::all_of(prefix.begin(), prefix.end(), plain))
-    throw std::invalid_argument(
-        fmt::format("found \"{}\"; expected at most {} letters, digits, _, - or /", prefix, longest));
+    throw std::invalid_argument(fmt::format("found \"{}\"; expected at most {} letters, digits, _, - or /",
+                                            StrictTable::shown(prefix), longest));
   config.prefix = prefix;
 }
 
 void set_log_level(Config& config, const std::string& level)
 {
   if (std::find(kLogLevels.begin(), kLogLevels.end(), level) == kLogLevels.end())
-    throw std::invalid_argument(fmt::format("found \"{}\"; expected one of: {}", level, fmt::join(kLogLevels, ", ")));
+    throw std::invalid_argument(
+        fmt::format("found \"{}\"; expected one of: {}", StrictTable::shown(level), fmt::join(kLogLevels, ", ")));
   config.log_level = level;
 }
 
@@ -107,12 +120,12 @@ Config read_config(const std::string& path)
   const toml::table document = parse_toml(text, path);
   StrictTable table(document, path);
   Config config;
-  config.robot = table.text("robot", config.robot);
-  config.lcm_url = table.text("lcm_url", config.lcm_url);
+  config.robot = read_plain(table, "robot", config.robot);
+  config.lcm_url = read_plain(table, "lcm_url", config.lcm_url);
   read_word(table, "prefix", config, set_prefix);
   config.every_sample = table.boolean("every_sample", config.every_sample);
-  config.max_age = read_positive(table, "max_age", config.max_age);
-  config.deadline = read_positive(table, "deadline", config.deadline);
+  config.max_age = read_duration(table, "max_age", config.max_age);
+  config.deadline = read_duration(table, "deadline", config.deadline);
   read_word(table, "log_level", config, set_log_level);
 
   AnswerSettings& answers = config.answers;
@@ -155,7 +168,7 @@ lcm_url = {}  # '': LCM_DEFAULT_URL, or LCM's own default
 prefix = {}  # stands before each channel's name
 log_level = {}
 every_sample = {}  # answer all samples in order instead of the newest
-max_age = {}  # s
+max_age = {}  # s; five times this long without an accepted sample, and another stream may begin
 deadline = {}  # s, arrival to publish
 
 method = {}

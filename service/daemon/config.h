@@ -25,7 +25,7 @@ struct Config
 /// Reads a configuration file. Unknown keys, wrong types and values out of range are refused. Throws FileError.
 Config read_config(const std::string& path);
 
-/// Sets the default method by name, or the prefix. Throws std::invalid_argument with what would be right.
+/// Set the default method by its name, the prefix, the log level. Throw std::invalid_argument with what would be right.
 void set_method(Config& config, const std::string& name);
 void set_prefix(Config& config, const std::string& prefix);
 void set_log_level(Config& config, const std::string& level);

@@ -20,8 +20,9 @@ namespace
 constexpr std::int64_t kStatusPeriod = 100'000;  // µs
 constexpr std::int64_t kModelPeriod = 2'000'000; // µs
 constexpr std::int64_t kBusProof = 1'000'000;    // µs
-constexpr int kMostPerCycle = 1000;              // messages, so that a flood cannot keep the newest from its answer
-constexpr int kQueue = 10'000;                   // messages that LCM keeps for us; a full queue would drop the newest
+// Messages that LCM keeps for us, because a full queue would drop the newest; and the most that one cycle deals with:
+// all that waited when it began, and yet a flood cannot keep the newest from its answer.
+constexpr int kQueue = 10'000;
 
 std::int64_t nanoseconds(clockid_t clock)
 {
@@ -65,9 +66,14 @@ LcmLoop::LcmLoop(lcm::LCM& bus, const Robot& robot, const Config& config, spdlog
   buffer_.reserve(4096);
 
   // LCM takes channel names for regular expressions; ours hold nothing that would not stand for itself (set_prefix)
-  subscriptions_.push_back(bus_.subscribeFunction(channels_.desired, &LcmLoop::hear_desired, this));
   subscriptions_.push_back(bus_.subscribeFunction(channels_.status, &LcmLoop::hear_status, this));
-  subscriptions_[0]->setQueueCapacity(kQueue);
+}
+
+void LcmLoop::listen()
+{
+  subscriptions_.push_back(bus_.subscribeFunction(channels_.desired, &LcmLoop::hear_desired, this));
+  subscriptions_.back()->setQueueCapacity(kQueue);
+  last_awake_ = monotonic_us();
 }
 
 LcmLoop::~LcmLoop()
@@ -90,12 +96,6 @@ void LcmLoop::run(int stop_fd)
   while (!cycle(1.0, stop_fd))
   {
   }
-  if (pending_)
-  {
-    ++status_.superseded;
-    ++status_.received;
-    pending_.reset();
-  }
   publish_status(status_t::STOPPING);
 }
 
@@ -103,28 +103,30 @@ bool LcmLoop::cycle(double timeout, int stop_fd)
 {
   // wake up at least every max_age, so that an own stall is told from a silent sender
   const std::int64_t before = monotonic_us();
-  notice_own_stall(last_awake_, before);
-  const double wait = std::min(
-      {timeout, config_.max_age, 1e-6 * static_cast<double>(std::max<std::int64_t>(next_status_ - before, 0))});
-  const int wait_ms = static_cast<int>(std::ceil(1e3 * wait));
+  notice_own_stall(before);
+  const double until_status = 1e-6 * static_cast<double>(std::max<std::int64_t>(next_status_ - before, 0));
+  const int wait_ms = static_cast<int>(std::ceil(1e3 * std::min({timeout, config_.max_age, until_status})));
   std::array<pollfd, 2> fds{{{bus_.getFileno(), POLLIN, 0}, {stop_fd, POLLIN, 0}}};
   poll(fds.data(), fds.size(), wait_ms);
-  const std::int64_t after = monotonic_us();
-  notice_own_stall(before + 1000 * wait_ms, after);
+  notice_own_stall(monotonic_us(), std::int64_t{1000} * wait_ms);
 
-  for (int i = 0; i < kMostPerCycle && bus_.handleTimeout(0) > 0; ++i)
+  for (int i = 0; i < kQueue && bus_.handleTimeout(0) > 0; ++i)
   {
   }
   answer_pending();
   publish_status_and_model_when_due();
-  last_awake_ = monotonic_us();
   return (fds[1].revents & POLLIN) != 0;
 }
 
-void LcmLoop::notice_own_stall(std::int64_t expected_by, std::int64_t now)
+// Whether this process itself stood still since it last looked, beyond the time (µs) it meant to sleep.
+bool LcmLoop::notice_own_stall(std::int64_t now, std::int64_t asleep)
 {
-  if (static_cast<double>(now - expected_by) > 1e6 * config_.max_age)
-    gate_.pause(now - expected_by);
+  const std::int64_t stood_still = now - last_awake_ - asleep;
+  last_awake_ = now;
+  if (static_cast<double>(stood_still) <= 1e6 * config_.max_age)
+    return false;
+  gate_.pause(stood_still);
+  return true;
 }
 
 void LcmLoop::hear_desired(const lcm::ReceiveBuffer* buffer, const std::string& channel, LcmLoop* loop) noexcept
@@ -151,6 +153,7 @@ catch (const std::exception& error)
 void LcmLoop::on_desired(Bytes message)
 {
   const std::int64_t arrival = monotonic_us();
+  notice_own_stall(arrival);
   last_arrival_ = arrival;
   const Result<DesiredState> decoded = decode_desired_state(message, robot_);
   if (const Refusal* refusal = std::get_if<Refusal>(&decoded))
@@ -183,7 +186,10 @@ void LcmLoop::answer_pending()
 void LcmLoop::answer_sample(const DesiredState& desired, std::int64_t arrival)
 {
   const Sender sender{desired.utime, desired.stream_id};
-  if (const auto refusal = gate_.accept(desired.utime, monotonic_us(), !config_.every_sample))
+  // its age is that at its arrival, unless this process stood still since
+  const std::int64_t now = monotonic_us();
+  const std::int64_t judged = notice_own_stall(now) ? now : arrival;
+  if (const auto refusal = gate_.accept(desired.utime, judged, !config_.every_sample))
     return reject(sender, *refusal);
 
   const std::int64_t begin = nanoseconds(CLOCK_MONOTONIC);
@@ -272,7 +278,8 @@ void LcmLoop::publish_status(std::int8_t state)
 template <typename Message> void LcmLoop::publish(const std::string& channel, const Message& message)
 {
   const Bytes bytes = encode(message, buffer_);
-  bus_.publish(channel, bytes.data(), static_cast<unsigned int>(bytes.size()));
+  if (bus_.publish(channel, bytes.data(), static_cast<unsigned int>(bytes.size())) != 0)
+    log_.error("the bus did not take a message of {} bytes on {}", bytes.size(), channel);
 }
 
 } // namespace torqued

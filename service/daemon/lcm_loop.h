@@ -8,6 +8,7 @@
 #include <lcm/lcm-cpp.hpp>
 
 #include <array>
+#include <cstdint>
 #include <functional>
 #include <memory>
 #include <optional>
@@ -38,6 +39,9 @@ public:
   /// Publishes the first status and hears it come back. false: the bus does not carry messages, not even to ourselves.
   bool prove_bus();
 
+  /// Begins to hear desired states. What came before is not heard.
+  void listen();
+
   /// Waits for messages, for at most timeout (s) or until stop_fd can be read, and deals with all that have come.
   /// Returns whether stop_fd can be read. stop_fd: −1 for none.
   bool cycle(double timeout, int stop_fd = -1);
@@ -59,7 +63,7 @@ private:
   void publish_status(std::int8_t state);
   void publish_status_and_model_when_due();
   std::int8_t state(std::int64_t now) const;
-  void notice_own_stall(std::int64_t expected_by, std::int64_t now);
+  bool notice_own_stall(std::int64_t now, std::int64_t asleep = 0);
 
   template <typename Message> void publish(const std::string& channel, const Message& message);
 

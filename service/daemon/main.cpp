@@ -131,6 +131,7 @@ int serve(const Config& config)
   log->info("answering {} on {}TORQUED_DESIRED, {:.1f} kg, {} joints, method {}", robot.name, config.prefix,
             robot.mechanism.mass(), robot.num_joints(), name_of(config.answers.methods.method));
   flush_denormals();
+  loop.listen();
   loop.run(stop_fd);
   log->info("stopped");
   spdlog::shutdown();

@@ -53,14 +53,14 @@ std::optional<Refusal> StreamGate::arrive(const Sender& sender, std::int64_t now
   return {};
 }
 
-std::optional<Refusal> StreamGate::accept(std::int64_t utime, std::int64_t now, bool check_age)
+std::optional<Refusal> StreamGate::accept(std::int64_t utime, std::int64_t arrival, bool check_age)
 {
-  const std::int64_t delay = saturated_difference(now, utime);
-  const std::int64_t age = saturated_difference(delay, smallest_delay(now));
+  const std::int64_t delay = saturated_difference(arrival, utime);
+  const std::int64_t age = saturated_difference(delay, smallest_delay(arrival));
   if (check_age && age > max_age_)
     return Refusal(Reason::stale, "the sample is {} us older than the freshest of the last 10 s; max_age is {} us", age,
                    max_age_);
-  last_accepted_ = running(now);
+  last_accepted_ = running(arrival);
   return {};
 }
 

@@ -28,7 +28,8 @@ public:
   std::optional<Refusal> arrive(const Sender& sender, std::int64_t now);
 
   /// Accepts the last sample that arrived, which is about to be answered. With check_age, refuses: stale.
-  std::optional<Refusal> accept(std::int64_t utime, std::int64_t now, bool check_age);
+  /// arrival: when it arrived, or a later time if the process did not run in between.
+  std::optional<Refusal> accept(std::int64_t utime, std::int64_t arrival, bool check_age);
 
   /// The process itself did not run for this long (µs): stream, order and clock offset outlive it.
   void pause(std::int64_t duration) { paused_ += duration; }

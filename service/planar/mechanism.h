@@ -114,11 +114,11 @@ public:
 
   const Bounded<kMaxDirections, kMaxCoordinates>& W() const { return W_; }
   const VectorD& offset() const { return offset_; }
-  double gravity() const { return gravity_; }
-  double mass() const { return mass_; }
-  const PlaneVectors& moments() const { return moments_; }
-  const std::vector<Pair>& pairs() const { return pairs_; }
-  const MatrixQ& inertia() const { return inertia_; }
+  double gravity() const { return gravity_; }               ///< m/s², downward
+  double mass() const { return mass_; }                     ///< m, kg
+  const PlaneVectors& moments() const { return moments_; }  ///< S, kg m, one column per direction
+  const std::vector<Pair>& pairs() const { return pairs_; } ///< P, kg m², those that are not zero
+  const MatrixQ& inertia() const { return inertia_; }       ///< kg m², angles × angles
 
 private:
   bool floating_;

@@ -51,6 +51,7 @@ public:
     add_actuators(robot);
     add_feet(robot);
     check_names(robot);
+    check_magnitudes(robot);
     robot.model_id = model_id(robot);
     return robot;
   }
@@ -271,6 +272,23 @@ private:
     for (const std::string& name : names)
       if (!seen.insert(name).second)
         fail(1, fmt::format("two {} are called \"{}\"; names must differ", what, name));
+  }
+
+  // numbers that are fine one by one can still be useless together
+  void check_magnitudes(const Robot& robot) const
+  {
+    constexpr double least = 1e-9;
+    constexpr double most = 1e9;
+    const auto useful = [](double x)
+    {
+      return x >= least && x <= most;
+    };
+    const double inertia = robot.mechanism.inertia().cwiseAbs().maxCoeff();
+    if (!useful(robot.weight()) || !useful(robot.leg_length) || !(inertia <= most))
+      fail(1, fmt::format(
+                  "the robot weighs {:.3g} N, its legs are {:.3g} m long and its largest inertia is {:.3g} kg m^2; "
+                  "each must lie between {:g} and {:g} to be computed with",
+                  robot.weight(), robot.leg_length, inertia, least, most));
   }
 
   static std::int64_t model_id(const Robot& robot)

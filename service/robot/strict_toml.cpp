@@ -1,8 +1,10 @@
 #include "robot/strict_toml.h"
 
 #include <algorithm>
-#include <array>
+#include <cctype>
+#include <cerrno>
 #include <cmath>
+#include <filesystem>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 #include <fstream>
@@ -18,20 +20,49 @@ namespace
 
 constexpr std::size_t kLargestFile = 1'000'000;
 
-std::string shown(const toml::node& node)
+std::string shown_node(const toml::node& node)
 {
   std::ostringstream text;
   node.visit([&](const auto& value) { text << value; });
-  std::string one_line = text.str();
-  std::replace(one_line.begin(), one_line.end(), '\n', ' ');
-  constexpr std::size_t longest = 60;
-  return one_line.size() > longest ? one_line.substr(0, longest) + "…" : one_line;
+  return StrictTable::shown(text.str());
+}
+
+// The parser follows a dotted key, a.b.c, one call deeper for each dot, without a limit of its own.
+void refuse_deep_keys(std::string_view text, const std::string& file)
+{
+  constexpr int deepest = 100;
+  int line = 1;
+  int dots = 0;
+  for (const char c : text)
+  {
+    const bool part_of_key =
+        std::isalnum(static_cast<unsigned char>(c)) || std::string_view("_- \t\"'").find(c) != std::string_view::npos;
+    line += c == '\n' ? 1 : 0;
+    dots = c == '.' ? dots + 1 : part_of_key ? dots : 0;
+    if (dots > deepest)
+      throw FileError(
+          fmt::format("{}:{}: a key with more than {} dots; nothing here is nested that deep", file, line, deepest));
+  }
 }
 
 } // namespace
 
+std::string StrictTable::shown(std::string text)
+{
+  constexpr std::size_t longest = 60;
+  if (text.size() > longest)
+    text = text.substr(0, longest) + "...";
+  std::replace_if(
+      text.begin(), text.end(), [](char c) { return static_cast<unsigned char>(c) < 0x20 || c == 0x7f; }, '?');
+  return text;
+}
+
 std::string read_text_file(const std::string& path)
 {
+  std::error_code error;
+  if (const auto status = std::filesystem::status(path, error);
+      std::filesystem::exists(status) && !is_regular_file(status))
+    throw FileError(fmt::format("{}: is not a file", path));
   std::ifstream file(path, std::ios::binary);
   std::string text;
   if (file)
@@ -50,6 +81,7 @@ std::string read_text_file(const std::string& path)
 
 toml::table parse_toml(std::string_view text, const std::string& file)
 {
+  refuse_deep_keys(text, file);
   try
   {
     return toml::parse(text, file);
@@ -69,12 +101,13 @@ void StrictTable::fail(std::string_view key, const std::string& message) const
 {
   const toml::node* node = table_->get(key);
   const auto line = node ? node->source().begin.line : table_->source().begin.line;
-  throw FileError(fmt::format("{}:{}: {}{}{}: {}", *file_, line, context_, context_.empty() ? "" : ": ", key, message));
+  throw FileError(fmt::format("{}:{}: {}{}{}: {}", *file_, line, context_, context_.empty() ? "" : ": ",
+                              shown(std::string(key)), message));
 }
 
 void StrictTable::wrong_type(std::string_view key, const toml::node& found, std::string_view expected) const
 {
-  fail(key, fmt::format("found {}; expected {}", shown(found), expected));
+  fail(key, fmt::format("found {}; expected {}", shown_node(found), expected));
 }
 
 const toml::node* StrictTable::find(std::string_view key)
@@ -170,7 +203,7 @@ int StrictTable::choice(std::string_view key, const std::vector<std::string_view
   const std::string word = text(key);
   const auto found = std::find(words.begin(), words.end(), word);
   if (found == words.end())
-    fail(key, fmt::format("found \"{}\"; expected one of: {}", word, fmt::join(words, ", ")));
+    fail(key, fmt::format("found \"{}\"; expected one of: {}", shown(word), fmt::join(words, ", ")));
   return static_cast<int>(found - words.begin());
 }
 

@@ -23,7 +23,8 @@ std::string name(StrictTable& table, std::string_view key, std::optional<std::st
   };
   constexpr std::size_t longest = 32;
   if (text.empty() || text.size() > longest || !std::all_of(text.begin(), text.end(), plain))
-    table.fail(key, fmt::format("found \"{}\"; expected 1 to {} letters, digits, _ or -", text, longest));
+    table.fail(
+        key, fmt::format("found \"{}\"; expected 1 to {} letters, digits, _ or -", StrictTable::shown(text), longest));
   return text;
 }
 
@@ -53,7 +54,11 @@ RobotDescription::LinkEntry read_link(StrictTable& table, std::array<std::string
   link.mass = table.magnitude("mass");
   link.com = table.vector("com", Eigen::Vector2d(0.0, 0.0));
   link.inertia = table.magnitude("inertia");
-  for (StrictTable& segment : table.tables("draw", fmt::format("link '{}': draw", link.name)))
+  std::vector<StrictTable> segments = table.tables("draw", fmt::format("link '{}': draw", link.name));
+  constexpr std::size_t most_segments = 16; // so that the robot still fits into a message
+  if (segments.size() > most_segments)
+    table.fail("draw", fmt::format("found {} strokes; expected at most {}", segments.size(), most_segments));
+  for (StrictTable& segment : segments)
   {
     link.drawing.push_back({segment.vector("from"), segment.vector("to"), segment.magnitude("width", 0.02)});
     segment.finish();

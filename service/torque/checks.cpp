@@ -1,9 +1,21 @@
 #include "torque/checks.h"
 
+#include <algorithm>
 #include <cmath>
 
 namespace torqued
 {
+
+namespace
+{
+
+// the force in the foot's frame
+Eigen::Vector2d in_foot(const FootPose& pose, const Wrench& wrench)
+{
+  return {pose.e.x() * wrench.fx + pose.e.y() * wrench.fz, pose.e.x() * wrench.fz - pose.e.y() * wrench.fx};
+}
+
+} // namespace
 
 GroundReaction ground_reaction(const Robot& robot, const Foot& foot, const FootPose& pose, const Wrench& wrench)
 {
@@ -12,29 +24,32 @@ GroundReaction ground_reaction(const Robot& robot, const Foot& foot, const FootP
   if (std::abs(wrench.fz) < no_load)
     return reaction;
   reaction.friction_ratio = std::abs(wrench.fx) / wrench.fz;
-
-  // the force in the foot's frame
-  const double f_x = pose.e.x() * wrench.fx + pose.e.y() * wrench.fz;
-  const double f_z = pose.e.x() * wrench.fz - pose.e.y() * wrench.fx;
-  if (std::abs(f_z) >= no_load)
-    reaction.cop = (wrench.moment - foot.ankle_height() * f_x) / f_z;
+  const Eigen::Vector2d f = in_foot(pose, wrench);
+  if (std::abs(f.y()) >= no_load)
+    reaction.cop = (wrench.moment - foot.ankle_height() * f.x()) / f.y();
   return reaction;
 }
 
-std::int32_t contact_flags(const Robot& robot, const Foot& foot, Contact contact, const GroundReaction& reaction)
+std::int32_t contact_flags(const Robot& robot, const Foot& foot, const FootPose& pose, Contact contact,
+                           const Wrench& wrench)
 {
   if (contact == Contact::none)
     return 0;
   const double no_load = kNoLoad * robot.weight();
-  const Wrench& wrench = reaction.wrench;
   std::int32_t flags = 0;
   if (wrench.fz < -no_load)
     flags |= flag::lifts;
   if (std::abs(wrench.fx) > foot.friction * std::max(wrench.fz, 0.0) + no_load)
     flags |= flag::slips;
-  const double slack = 1e-6 * (foot.toe_x() - foot.heel_x());
-  if (contact == Contact::sole && (reaction.cop < foot.heel_x() - slack || reaction.cop > foot.toe_x() + slack))
-    flags |= flag::tips;
+  if (contact == Contact::sole)
+  {
+    const Eigen::Vector2d f = in_foot(pose, wrench);
+    const double moment = wrench.moment - foot.ankle_height() * f.x();
+    const double slack = no_load * (foot.toe_x() - foot.heel_x());
+    const auto [least, most] = std::minmax({foot.heel_x() * f.y(), foot.toe_x() * f.y()});
+    if (moment < least - slack || moment > most + slack)
+      flags |= flag::tips;
+  }
   return flags;
 }
 

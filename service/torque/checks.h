@@ -40,9 +40,13 @@ struct GroundReaction
 /// in the foot's frame, x_c = (M − h_p f_x') / f_z'.
 GroundReaction ground_reaction(const Robot& robot, const Foot& foot, const FootPose& pose, const Wrench& wrench);
 
-/// Whether a foot in contact slips, lifts or tips: flag bits. Slack: kNoLoad × weight on forces, 1e-6 of the sole's
-/// length on the centre of pressure, both for rounding.
-std::int32_t contact_flags(const Robot& robot, const Foot& foot, Contact contact, const GroundReaction& reaction);
+/// Whether a foot in contact slips (|fx| > μ fz), lifts (fz < 0) or tips: flag bits.
+///
+/// A sole tips when the moment about the line of the sole is more than the pressure from heel to toe can give:
+/// M − h_p f_x' must lie between x_heel f_z' and x_toe f_z', in the foot's frame; so a moment without load tips, too.
+/// Slack, for rounding: kNoLoad × weight on forces, and that × the sole's length on the moment.
+std::int32_t contact_flags(const Robot& robot, const Foot& foot, const FootPose& pose, Contact contact,
+                           const Wrench& wrench);
 
 /// World x of the total zero-moment point on the ground z = 0, m; 0 without load.
 double zero_moment_point(const Robot& robot, const SupportEquations& equations);

@@ -1,5 +1,6 @@
 #include "torque/equations.h"
 
+#include <algorithm>
 #include <cmath>
 
 namespace torqued

@@ -1,10 +1,12 @@
 /// Why a desired state is not answered: a value, not an exception, and made without allocating.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <fmt/format.h>
 #include <string_view>
+#include <utility>
 #include <variant>
 
 namespace torqued
@@ -37,6 +39,7 @@ std::string_view name_of(Reason reason);
 class Refusal
 {
 public:
+  /// detail: a format text and what it formats; cut after 240 characters.
   template <typename... Args>
   Refusal(Reason reason, fmt::format_string<Args...> detail, Args&&... args) : reason_(reason)
   {

@@ -67,10 +67,9 @@ Result<TorqueSolution> solve_torques(const Robot& robot, const SupportEquations&
   // τ = B⁺ (r − Jᵀ w); in relative coordinates B is a unit matrix above the root's row
   const int angles = robot.num_angles();
   const int joints = robot.num_joints();
-  VectorQ rest = equations.r - equations.J.transpose() * w;
+  const VectorQ rest = equations.r - equations.J.transpose() * w;
   solution.torque = robot.A_inverse.leftCols(joints).transpose() * rest.head(angles);
-  rest.head(angles) -= robot.A.topRows(joints).transpose() * solution.torque;
-  solution.residual = rest.cwiseAbs().maxCoeff();
+  solution.w = w;
 
   // each foot's wrench about its ankle
   int row = 0;
@@ -86,6 +85,14 @@ Result<TorqueSolution> solve_torques(const Robot& robot, const SupportEquations&
     row += wrench_components(contact);
   }
   return solution;
+}
+
+double dynamics_residual(const Robot& robot, const SupportEquations& equations, const WrenchVector& w,
+                         const VectorJ& torque)
+{
+  VectorQ rest = equations.r - equations.J.transpose() * w;
+  rest.head(robot.num_angles()) -= robot.A.topRows(robot.num_joints()).transpose() * torque;
+  return rest.cwiseAbs().maxCoeff();
 }
 
 } // namespace torqued

@@ -57,7 +57,7 @@ struct TorqueSolution
 {
   VectorJ torque;               ///< N m, in the actuators' order
   std::array<Wrench, 2> ground; ///< indexed by Side; about the ankle, whatever the contact
-  double residual;              ///< largest component of r − B τ − Jᵀ w, N or N m
+  WrenchVector w;               ///< the same, in the order of the rows of J, about the contact points
   Method method;                ///< none when nothing had to be chosen
 };
 
@@ -69,6 +69,10 @@ struct TorqueSolution
 /// Refuses: under_actuated; numerical when a method's equations are singular.
 Result<TorqueSolution> solve_torques(const Robot& robot, const SupportEquations& equations, const Support& support,
                                      Method method, const MethodSettings& settings, double residual_tolerance);
+
+/// Largest component of r − B τ − Jᵀ w, N or N m: rounding, unless the motion is under-actuated or τ was clamped.
+double dynamics_residual(const Robot& robot, const SupportEquations& equations, const WrenchVector& w,
+                         const VectorJ& torque);
 
 /// The rule of LinearTransition, for any two contacts. Refuses: numerical.
 Result<WrenchVector> linear_transition(const Robot& robot, const SupportEquations& equations, const Support& support,
