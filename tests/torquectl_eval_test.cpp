@@ -133,6 +133,7 @@ private:
   {
     Config config;
     config.every_sample = true;
+    config.deadline = 10.0; // LATE depends on the machine
     return config;
   }
   static void hear(const lcm::ReceiveBuffer* buffer, const std::string&, Daemon* daemon)
