@@ -1,9 +1,9 @@
 #include "client/answer_table.h"
 #include "client/bus.h"
 #include "client/files.h"
-#include "client/printable.h"
 #include "client/subcommands.h"
 #include "client/tally.h"
+#include "robot/printable.h"
 
 #include <CLI/CLI.hpp>
 

@@ -1,10 +1,10 @@
 #include "client/answer_table.h"
 #include "client/files.h"
 #include "client/lcm_log.h"
-#include "client/printable.h"
 #include "client/subcommands.h"
 #include "client/tally.h"
 #include "client/trajectory.h"
+#include "robot/printable.h"
 
 #include <CLI/CLI.hpp>
 

@@ -1,9 +1,9 @@
 #include "client/bus.h"
 #include "client/files.h"
-#include "client/printable.h"
 #include "client/subcommands.h"
 #include "client/tally.h"
 #include "client/trajectory.h"
+#include "robot/printable.h"
 
 #include <CLI/CLI.hpp>
 

@@ -3,9 +3,9 @@
 #include "client/csv_lines.h"
 #include "client/failure.h"
 #include "client/lcm_log.h"
-#include "client/printable.h"
 #include "client/spline.h"
 #include "client/support_course.h"
+#include "robot/printable.h"
 
 #include <algorithm>
 #include <charconv>
@@ -414,7 +414,7 @@ Trajectory read_log(std::string_view bytes, const std::string& file, const Chann
   {
     constexpr std::size_t most = 8;
     std::vector<std::string> some(heard.begin(), std::next(heard.begin(), std::min(heard.size(), most)));
-    std::transform(some.begin(), some.end(), some.begin(), printable);
+    std::transform(some.begin(), some.end(), some.begin(), [](const std::string& text) { return printable(text); });
     throw Failure(
         ExitCode::bad_data,
         fmt::format("{}: found no desired state on channel {} of this LCM log ({} undecodable there); it holds {}{}; "

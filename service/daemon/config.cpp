@@ -1,5 +1,6 @@
 #include "daemon/config.h"
 
+#include "robot/printable.h"
 #include "robot/strict_toml.h"
 
 #include <algorithm>
@@ -53,7 +54,7 @@ std::string read_plain(StrictTable& table, std::string_view key, const std::stri
 {
   const std::string value = table.text(key, fallback);
   if (std::any_of(value.begin(), value.end(), [](char c) { return static_cast<unsigned char>(c) < 0x20 || c == 0x7f; }))
-    table.fail(key, fmt::format("found \"{}\"; expected a text without control characters", StrictTable::shown(value)));
+    table.fail(key, fmt::format("found \"{}\"; expected a text without control characters", printable(value)));
   return value;
 }
 
@@ -88,7 +89,7 @@ void set_method(Config& config, const std::string& name)
     }
   }
   throw std::invalid_argument(
-      fmt::format("found \"{}\"; expected one of: {}", StrictTable::shown(name), fmt::join(names, ", ")));
+      fmt::format("found \"{}\"; expected one of: {}", printable(name), fmt::join(names, ", ")));
 }
 
 void set_prefix(Config& config, const std::string& prefix)
@@ -101,8 +102,8 @@ void set_prefix(Config& config, const std::string& prefix)
   };
   constexpr std::size_t longest = 32;
   if (prefix.size() > longest || !std::all_of(prefix.begin(), prefix.end(), plain))
-    throw std::invalid_argument(fmt::format("found \"{}\"; expected at most {} letters, digits, _, - or /",
-                                            StrictTable::shown(prefix), longest));
+    throw std::invalid_argument(
+        fmt::format("found \"{}\"; expected at most {} letters, digits, _, - or /", printable(prefix), longest));
   config.prefix = prefix;
 }
 
@@ -110,7 +111,7 @@ void set_log_level(Config& config, const std::string& level)
 {
   if (std::find(kLogLevels.begin(), kLogLevels.end(), level) == kLogLevels.end())
     throw std::invalid_argument(
-        fmt::format("found \"{}\"; expected one of: {}", StrictTable::shown(level), fmt::join(kLogLevels, ", ")));
+        fmt::format("found \"{}\"; expected one of: {}", printable(level), fmt::join(kLogLevels, ", ")));
   config.log_level = level;
 }
 

@@ -1,5 +1,7 @@
 #include "robot/strict_toml.h"
 
+#include "robot/printable.h"
+
 #include <algorithm>
 #include <cctype>
 #include <cerrno>
@@ -19,12 +21,13 @@ namespace
 {
 
 constexpr std::size_t kLargestFile = 1'000'000;
+constexpr std::size_t kLongestShown = 60; // characters of a value in a complaint
 
 std::string shown_node(const toml::node& node)
 {
   std::ostringstream text;
   node.visit([&](const auto& value) { text << value; });
-  return StrictTable::shown(text.str());
+  return printable(text.str(), kLongestShown);
 }
 
 // The parser follows a dotted key, a.b.c, one call deeper for each dot, without a limit of its own.
@@ -46,16 +49,6 @@ void refuse_deep_keys(std::string_view text, const std::string& file)
 }
 
 } // namespace
-
-std::string StrictTable::shown(std::string text)
-{
-  constexpr std::size_t longest = 60;
-  if (text.size() > longest)
-    text = text.substr(0, longest) + "...";
-  std::replace_if(
-      text.begin(), text.end(), [](char c) { return static_cast<unsigned char>(c) < 0x20 || c == 0x7f; }, '?');
-  return text;
-}
 
 std::string read_text_file(const std::string& path)
 {
@@ -102,7 +95,7 @@ void StrictTable::fail(std::string_view key, const std::string& message) const
   const toml::node* node = table_->get(key);
   const auto line = node ? node->source().begin.line : table_->source().begin.line;
   throw FileError(fmt::format("{}:{}: {}{}{}: {}", *file_, line, context_, context_.empty() ? "" : ": ",
-                              shown(std::string(key)), message));
+                              printable(std::string(key), kLongestShown), message));
 }
 
 void StrictTable::wrong_type(std::string_view key, const toml::node& found, std::string_view expected) const
@@ -203,7 +196,7 @@ int StrictTable::choice(std::string_view key, const std::vector<std::string_view
   const std::string word = text(key);
   const auto found = std::find(words.begin(), words.end(), word);
   if (found == words.end())
-    fail(key, fmt::format("found \"{}\"; expected one of: {}", shown(word), fmt::join(words, ", ")));
+    fail(key, fmt::format("found \"{}\"; expected one of: {}", printable(word, kLongestShown), fmt::join(words, ", ")));
   return static_cast<int>(found - words.begin());
 }
 

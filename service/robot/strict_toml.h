@@ -51,8 +51,6 @@ public:
 
   bool has(std::string_view key) const { return table_->contains(key); }
   bool is_number(std::string_view key) const;
-  /// A text as complaints show it: one short line without control characters.
-  static std::string shown(std::string text);
   /// A table of its own, if it is there.
   std::optional<StrictTable> table(std::string_view key);
   /// [[key]], empty if it is not there. Its members are called `context` and their number from 1.

@@ -1,3 +1,4 @@
+#include "robot/printable.h"
 #include "robot/robot.h"
 #include "robot/strict_toml.h"
 
@@ -24,7 +25,7 @@ std::string name(StrictTable& table, std::string_view key, std::optional<std::st
   constexpr std::size_t longest = 32;
   if (text.empty() || text.size() > longest || !std::all_of(text.begin(), text.end(), plain))
     table.fail(
-        key, fmt::format("found \"{}\"; expected 1 to {} letters, digits, _ or -", StrictTable::shown(text), longest));
+        key, fmt::format("found \"{}\"; expected 1 to {} letters, digits, _ or -", printable(text, longest), longest));
   return text;
 }
 

@@ -2,15 +2,16 @@
 #pragma once
 
 #include <algorithm>
+#include <cstddef>
 #include <string>
 
 namespace torqued
 {
 
-/// The text with a question mark for all that is not plain ASCII, because a terminal might obey it, and not endless.
-inline std::string printable(std::string text)
+/// The text with a question mark for all that is not plain ASCII, because a terminal might obey it, and cut after
+/// `longest` characters.
+inline std::string printable(std::string text, std::size_t longest = 300)
 {
-  constexpr std::size_t longest = 300;
   if (text.size() > longest)
     text = text.substr(0, longest) + "...";
   std::replace_if(
