@@ -267,6 +267,19 @@ TEST_CASE("after an own stall no old sample is answered, and the stream is not g
   CHECK(bench.rejections[1].utime == 1'002'000);
 }
 
+TEST_CASE("a sample that waited through an own stall is as old as the stall", "[lcm_loop]")
+{
+  Bench bench;
+  bench.send(bench.standing(1'000'000));
+  bench.settle();
+  bench.send(bench.standing(1'001'000)); // arrives in time, and then nothing moves for 50 ms
+  bench.send_sleep(50'000);
+  bench.settle();
+  CHECK(bench.commands.size() == 1);
+  REQUIRE(bench.rejections.size() == 1);
+  CHECK(bench.rejections[0].reason == rejection_t::STALE);
+}
+
 TEST_CASE("of a backlog as long as the queue only the newest is answered", "[lcm_loop]")
 {
   Bench bench;
