@@ -86,8 +86,7 @@ void print_coordinates(const Robot& robot)
   fmt::print("RELATIVE coordinates\n");
   for (int i = 0; i < robot.num_angles(); ++i)
     fmt::print("  {} = {}\n", robot.relative_names[static_cast<std::size_t>(i)], formula(robot, i));
-  if (robot.mechanism.floating())
-    fmt::print("base point: {}, m\n", fmt::join(robot.base_names, ", "));
+  fmt::print("base point: {}, m\n", fmt::join(robot.base_names, ", "));
 }
 
 void print_actuators(const Robot& robot)

@@ -21,9 +21,7 @@ VectorQ inverse_dynamics(const Mechanism& mechanism, const Kinematics& now, cons
   const auto& S = mechanism.moments();
 
   // acceleration of the base point, gravity included
-  Eigen::Vector2d a_base(0.0, mechanism.gravity());
-  if (mechanism.floating())
-    a_base += a.tail<2>();
+  const Eigen::Vector2d a_base = a.tail<2>() + Eigen::Vector2d(0.0, mechanism.gravity());
 
   // acceleration of a unit arm of every direction
   const VectorD turn = mechanism.W() * a.head(angles);
@@ -46,13 +44,10 @@ VectorQ inverse_dynamics(const Mechanism& mechanism, const Kinematics& now, cons
 
   VectorQ r(mechanism.num_coordinates());
   r.head(angles) = mechanism.W().transpose() * moment + mechanism.inertia() * a.head(angles);
-  if (mechanism.floating())
-  {
-    Eigen::Vector2d force = mechanism.mass() * a_base;
-    for (int k = 0; k < directions; ++k)
-      force += rotate(S.col(k), arm.col(k));
-    r.tail<2>() = force;
-  }
+  Eigen::Vector2d force = mechanism.mass() * a_base;
+  for (int k = 0; k < directions; ++k)
+    force += rotate(S.col(k), arm.col(k));
+  r.tail<2>() = force;
   return r;
 }
 

@@ -5,7 +5,7 @@
 namespace torqued
 {
 
-Kinematics kinematics(const Mechanism& mechanism, const VectorQ& q, const VectorQ& v, const Eigen::Vector2d& fixed_base)
+Kinematics kinematics(const Mechanism& mechanism, const VectorQ& q, const VectorQ& v)
 {
   const int angles = mechanism.num_angles();
   Kinematics now;
@@ -14,7 +14,7 @@ Kinematics kinematics(const Mechanism& mechanism, const VectorQ& q, const Vector
   now.e.resize(2, phi.size());
   for (int k = 0; k < phi.size(); ++k)
     now.e.col(k) << std::cos(phi(k)), std::sin(phi(k));
-  now.base = mechanism.floating() ? Eigen::Vector2d(q.tail<2>()) : fixed_base;
+  now.base = q.tail<2>();
   return now;
 }
 
@@ -38,8 +38,7 @@ void point_jacobian(const Mechanism& mechanism, const Kinematics& now, const Poi
   rows.setZero();
   for (const Arm& arm : point)
     rows.leftCols(angles) += perp(rotate(now.e.col(arm.direction), arm.r)) * mechanism.W().row(arm.direction);
-  if (mechanism.floating())
-    rows.rightCols<2>().setIdentity();
+  rows.rightCols<2>().setIdentity();
 }
 
 Eigen::Vector2d jacobian_rate_times_v(const Kinematics& now, const Point& point)

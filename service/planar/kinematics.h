@@ -16,10 +16,8 @@ struct Kinematics
 
 /// Computes sines, cosines and rates of all directions, once.
 ///
-/// q, v: length mechanism.num_coordinates(). fixed_base: the base point in W of a mechanism that does not float; not
-/// used otherwise.
-Kinematics kinematics(const Mechanism& mechanism, const VectorQ& q, const VectorQ& v,
-                      const Eigen::Vector2d& fixed_base = Eigen::Vector2d::Zero());
+/// q, v: length mechanism.num_coordinates().
+Kinematics kinematics(const Mechanism& mechanism, const VectorQ& q, const VectorQ& v);
 
 /// p − p_base = Σ R(φ) r, in W, m.
 Eigen::Vector2d from_base(const Kinematics& now, const Point& point);

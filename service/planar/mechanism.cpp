@@ -5,9 +5,9 @@
 namespace torqued
 {
 
-Mechanism::Mechanism(const Eigen::MatrixXd& W, const Eigen::VectorXd& offset, bool floating,
-                     const std::vector<Body>& bodies, double gravity)
-    : floating_(floating), W_(W), offset_(offset), gravity_(gravity)
+Mechanism::Mechanism(const Eigen::MatrixXd& W, const Eigen::VectorXd& offset, const std::vector<Body>& bodies,
+                     double gravity)
+    : W_(W), offset_(offset), gravity_(gravity)
 {
   assert(W.rows() == offset.size() && W.rows() <= kMaxDirections && num_coordinates() <= kMaxCoordinates);
   const int directions = num_directions();

@@ -15,8 +15,7 @@
 ///
 ///   p = p_base + Σₖ R(φₖ) rₖ
 ///
-/// The generalized coordinates are q = (θ, x_base, z_base) for a mechanism that floats, and q = θ for one whose base
-/// point is fixed to the world; v = q̇ and a = q̈.
+/// The generalized coordinates are q = (θ, x_base, z_base); v = q̇ and a = q̈.
 #pragma once
 
 #include <Eigen/Core>
@@ -99,18 +98,16 @@ public:
     Eigen::Vector2d P;
   };
 
-  /// W: directions × angles; offset: φ₀, rad; floating: whether the base point moves.
+  /// W: directions × angles; offset: φ₀, rad; gravity: m/s², downward.
   ///
   /// Requires: sizes that agree and stay within kMaxCoordinates and kMaxDirections; arms and bodies that name
   /// existing directions.
-  Mechanism(const Eigen::MatrixXd& W, const Eigen::VectorXd& offset, bool floating, const std::vector<Body>& bodies,
-            double gravity);
+  Mechanism(const Eigen::MatrixXd& W, const Eigen::VectorXd& offset, const std::vector<Body>& bodies, double gravity);
 
-  bool floating() const { return floating_; }
   int num_angles() const { return static_cast<int>(W_.cols()); }
   int num_directions() const { return static_cast<int>(W_.rows()); }
-  /// Length of q, v and a: the angles, and the base point's two coordinates if it floats.
-  int num_coordinates() const { return num_angles() + (floating_ ? 2 : 0); }
+  /// Length of q, v and a: the angles, and the base point's two coordinates.
+  int num_coordinates() const { return num_angles() + 2; }
 
   const Bounded<kMaxDirections, kMaxCoordinates>& W() const { return W_; }
   const VectorD& offset() const { return offset_; }
@@ -121,7 +118,6 @@ public:
   const MatrixQ& inertia() const { return inertia_; }       ///< kg m², angles × angles
 
 private:
-  bool floating_;
   Bounded<kMaxDirections, kMaxCoordinates> W_;
   VectorD offset_;
   double gravity_;

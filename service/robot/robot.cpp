@@ -170,7 +170,7 @@ private:
     if (!(mass > 0.0))
       fail(description_.links.front().line, "all links are massless; the robot's mass must be positive");
     const auto angles = static_cast<Eigen::Index>(absolute_names_.size());
-    return Mechanism(Eigen::MatrixXd::Identity(angles, angles), Eigen::VectorXd::Zero(angles), true, bodies,
+    return Mechanism(Eigen::MatrixXd::Identity(angles, angles), Eigen::VectorXd::Zero(angles), bodies,
                      description_.gravity);
   }
 

@@ -57,7 +57,6 @@ public:
   std::vector<StrictTable> tables(std::string_view key, std::string_view context);
   void set_context(std::string context) { context_ = std::move(context); }
   int line() const { return static_cast<int>(table_->source().begin.line); }
-  const std::string& file() const { return *file_; }
 
   /// Complains about a value of this table.
   [[noreturn]] void fail(std::string_view key, const std::string& message) const;
