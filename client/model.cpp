@@ -21,17 +21,6 @@ struct Options
   bool list = false, toml = false;
 };
 
-std::string_view name_of(JointKind joint)
-{
-  switch (joint)
-  {
-  case JointKind::floating: return "floating";
-  case JointKind::revolute: return "revolute";
-  case JointKind::fixed: return "fixed";
-  }
-  return "unknown";
-}
-
 std::string point(const Eigen::Vector2d& at)
 {
   return fmt::format("({:.4g}, {:.4g})", at.x(), at.y());
@@ -53,7 +42,7 @@ std::string formula(const Robot& robot, int i)
     text += of.empty() ? fmt::format("{:g}", size) : size == 1.0 ? of : fmt::format("{:g} {}", size, of);
   };
   for (const bool negative : {false, true})
-    for (int j = 0; j < robot.num_angles(); ++j)
+    for (int j = 0; j < robot.num_coordinates(); ++j)
       if (const double factor = robot.A(i, j); factor != 0.0 && (factor < 0.0) == negative)
         add(factor, robot.absolute_names[static_cast<std::size_t>(j)]);
   if (robot.b(i) != 0.0)
@@ -79,14 +68,18 @@ void print_links(const Robot& robot)
 
 void print_coordinates(const Robot& robot)
 {
-  fmt::print("\nABSOLUTE coordinates: angles against the world, rad, counter-clockwise\n");
+  fmt::print("\nABSOLUTE coordinates: angles against the world, rad, counter-clockwise; of a slide, m\n");
   for (const Link& link : robot.links)
-    if (link.coordinate >= 0)
-      fmt::print("  {} = angle of {}\n", robot.absolute_names[static_cast<std::size_t>(link.coordinate)], link.name);
+    if (link.coordinate >= 0 && link.coordinate < robot.num_coordinates())
+      fmt::print("  {} = {} of {}\n", robot.absolute_names[static_cast<std::size_t>(link.coordinate)],
+                 link.joint == JointKind::slide ? "displacement" : "angle", link.name);
   fmt::print("RELATIVE coordinates\n");
-  for (int i = 0; i < robot.num_angles(); ++i)
+  for (int i = 0; i < robot.num_coordinates(); ++i)
     fmt::print("  {} = {}\n", robot.relative_names[static_cast<std::size_t>(i)], formula(robot, i));
-  fmt::print("base point: {}, m\n", fmt::join(robot.base_names, ", "));
+  if (robot.fixed_root())
+    fmt::print("the root, {}, is fixed to the world\n", robot.link(robot.root()).name);
+  else
+    fmt::print("base point: {}, m\n", fmt::join(robot.base_names, ", "));
 }
 
 void print_actuators(const Robot& robot)
@@ -105,9 +98,12 @@ void print_feet(const Robot& robot)
   fmt::print("\nfeet: points in the link's frame, m\n  {:<6} {:<16} {:<20} {:<20} {:<20} {}\n", "side", "link", "ankle",
              "heel", "toe", "friction");
   for (const Foot& foot : robot.feet)
-    fmt::print("  {:<6} {:<16} {:<20} {:<20} {:<20} {:g}{}\n", name_of(foot.side), link_name(robot, foot.link),
-               point(foot.ankle_at), point(foot.heel_at), point(foot.toe_at), foot.friction,
-               foot.has_sole() ? "" : "  (no extent: cannot stand on a sole)");
+    if (foot.exists())
+      fmt::print("  {:<6} {:<16} {:<20} {:<20} {:<20} {:g}{}\n", name_of(foot.side), link_name(robot, foot.link),
+                 point(foot.ankle_at), point(foot.heel_at), point(foot.toe_at), foot.friction,
+                 robot.is_root(foot) ? "  (fixed to the world: always on its sole)"
+                 : foot.has_extent() ? ""
+                                     : "  (no extent: cannot stand on a sole)");
 }
 
 ExitCode model(const Options& options)

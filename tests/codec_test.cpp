@@ -28,7 +28,7 @@ desired_state_t good(const Robot& robot)
   for (auto* base : {message.base_q, message.base_v, message.base_a})
     for (int i = 0; i < 2; ++i)
       base[i] = oracle::uniform(random, -1.0, 1.0);
-  message.num_coordinates = robot.num_angles();
+  message.num_coordinates = robot.num_coordinates();
   for (auto* vector : {&message.q, &message.v, &message.a})
     for (int i = 0; i < message.num_coordinates; ++i)
       vector->push_back(oracle::uniform(random, -1.0, 1.0));

@@ -70,7 +70,7 @@ TEST_CASE("a body cut in two that ride on each other moves as one", "[dynamics]"
                      at.x(), at.y(), angle, m_b, local.x(), local.y(), I_b);
   const Robot one = read_toml_robot(whole, "ck.toml");
   const Robot two = read_toml_robot(cut, "cut.toml");
-  REQUIRE(two.num_angles() == one.num_angles());
+  REQUIRE(two.num_coordinates() == one.num_coordinates());
   for (int i = 0; i < 100; ++i)
   {
     const oracle::Motion motion = oracle::random_motion(random);

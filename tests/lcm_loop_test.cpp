@@ -35,7 +35,7 @@ public:
     desired.utime = utime;
     desired.stream_id = stream_id;
     desired.left_contact = desired.right_contact = desired_state_t::SOLE;
-    desired.num_coordinates = robot_.num_angles();
+    desired.num_coordinates = robot_.num_coordinates();
     desired.q.resize(7);
     desired.v = desired.a = desired.q;
     return desired;

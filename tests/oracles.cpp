@@ -232,8 +232,10 @@ Robot Ck::robot() const
 
   const auto actuator = [&](const char* name, const char* on, const char* against)
   {
-    constexpr double none = std::numeric_limits<double>::infinity();
-    description.actuators.push_back({name, on, against, name, 0.0, none, none, 1});
+    Actuator entry;
+    entry.name = name;
+    entry.torque_limit = entry.rate_limit = std::numeric_limits<double>::infinity();
+    description.actuators.push_back({entry, on, against, name, 0.0, 1});
   };
   actuator("left_ankle", "left_shin", "left_foot");
   actuator("left_knee", "left_thigh", "left_shin");

@@ -52,23 +52,57 @@ std::string complaint(const std::string& text)
 
 TEST_CASE("every robot that ships loads, under its own name and with a source for its numbers", "[robot]")
 {
-  CHECK(shipped_robot_names().size() == 2);
-  for (const std::string_view name : shipped_robot_names())
+  using Names = std::vector<std::string>;
+  struct Row
   {
-    const Robot robot = load_robot(std::string(name));
-    CHECK(robot.name == name);
+    std::string name;
+    Names absolute, relative, joints;
+    bool fixed_root;
+  };
+  const Names seven{"q0", "q1", "q2", "q3", "q4", "q5", "q6"};
+  const Names six_joints{"left_ankle", "left_knee", "left_hip", "right_hip", "right_knee", "right_ankle"};
+  const Names four_joints{"left_knee", "left_hip", "right_hip", "right_knee"};
+  const auto with_root = [](Names names)
+  {
+    names.push_back("q6");
+    return names;
+  };
+  const std::vector<Row> rows{
+      {"ck", seven, with_root(six_joints), six_joints, false},
+      {"rk", seven, with_root(six_joints), six_joints, false},
+      {"six-link", {"q1", "q2", "q6", "q3", "q4", "q5"}, six_joints, six_joints, true},
+      {"compass", {"theta_s", "theta_ns"}, {"q1", "q2"}, {"q1", "q2"}, true},
+      {"bip-itlag",
+       {"theta1", "theta2", "theta3", "theta4", "r"},
+       {"q1", "q2", "q4", "q5", "r"},
+       {"q1", "q2", "q4", "q5", "r"},
+       true},
+      {"human-subject01", seven, with_root(six_joints), six_joints, false},
+      {"rabbit", {"q1", "q2", "q3", "q4", "q6"}, with_root(four_joints), four_joints, false},
+  };
+  REQUIRE(shipped_robot_names().size() == rows.size());
+  for (std::size_t i = 0; i < rows.size(); ++i)
+  {
+    const Row& row = rows[i];
+    CAPTURE(row.name);
+    CHECK(shipped_robot_names()[i] == row.name);
+    const Robot robot = load_robot(row.name);
+    CHECK(robot.name == row.name);
     CHECK_FALSE(robot.source.empty());
     CHECK(robot.model_id != 0);
-    CHECK(robot.absolute_names == std::vector<std::string>{"q0", "q1", "q2", "q3", "q4", "q5", "q6"});
-    CHECK(robot.base_names == std::array<std::string, 2>{"xH", "zH"});
-    std::vector<std::string> joints;
+    CHECK(robot.absolute_names == row.absolute);
+    CHECK(robot.relative_names == row.relative);
+    CHECK(robot.fixed_root() == row.fixed_root);
+    CHECK(robot.base_names == (row.fixed_root ? std::array<std::string, 2>{} : std::array<std::string, 2>{"xH", "zH"}));
+    Names joints;
     for (const Actuator& actuator : robot.actuators)
       joints.push_back(actuator.name);
-    CHECK(joints ==
-          std::vector<std::string>{"left_ankle", "left_knee", "left_hip", "right_hip", "right_knee", "right_ankle"});
+    CHECK(joints == row.joints);
   }
   CHECK(mismatch(load_robot("ck").mechanism.mass(), 45.0, 1e-14) == "");
   CHECK(mismatch(load_robot("ck").leg_length, 0.79, 1e-14) == "");
+  CHECK(mismatch(load_robot("rk").mechanism.mass(), 45.0, 1e-14) == "");
+  CHECK(mismatch(load_robot("rk").leg_length, 0.79, 1e-14) == "");
 }
 
 TEST_CASE("relative coordinates are the actuators' angles, then the root's", "[robot]")
@@ -174,8 +208,8 @@ TEST_CASE("a bad robot file is refused with file, line, key and what would be ri
       {"inertia = 0.81", "inertia = -0.81", "-0.81", "link 'trunk': inertia: found -0.81"},
       {"com = [0.0, 0.19]", "com = [0.0, 0.19, 0.0]", "0.19, 0.0]", "link 'trunk': com: found"},
       {"com = [0.0, 0.19]", "com = 0.19", "com = 0.19", "expected two numbers, [x, z]"},
-      {"joint = \"floating\"", "joint = \"rolling\"", "rolling",
-       "found \"rolling\"; expected one of: floating, revolute, fixed"},
+      {"joint = \"floating\"", "joint = \"prismatic\"", "prismatic",
+       "found \"prismatic\"; expected one of: floating, revolute, rolling, parallel, slide, fixed"},
       {"joint = \"floating\"", "joint = \"fixed\"\nparent = \"left_thigh\"\nat = [0.0, 0.0]", "base = [",
        "base: is not known here"},
       {"name = \"trunk\"", "name = \"left_foot\"", "[[link]]\nname = \"left_foot\"\njoint = \"floating\"",
@@ -193,13 +227,13 @@ TEST_CASE("a bad robot file is refused with file, line, key and what would be ri
       {"against = \"left_foot\"", "against = \"left_shin\"", "[[actuator]]\nname = \"left_ankle\"",
        "do not turn against each other"},
       {"torque_limit = 150.0", "torque_limit = -1", "torque_limit = -1", "torque_limit: found -1"},
-      {"torque_limit = 150.0", "rotor_inertia = 0.1", "rotor_inertia",
-       "actuator 'left_ankle': rotor_inertia: is not known"},
+      {"torque_limit = 150.0", "gear = 50", "gear", "actuator 'left_ankle': gear: is not known"},
       {"name = \"left_knee\"\non = \"left_thigh\"\nagainst = \"left_shin\"",
        "name = \"left_knee\"\non = \"left_shin\"\nagainst = \"left_foot\"", "[[actuator]]\nname = \"right_ankle\"",
        "the actuators do not reach every link"},
       {"[[actuator]]\nname = \"left_ankle\"\non = \"left_shin\"\nagainst = \"left_foot\"\ntorque_limit = 150.0\n", "",
-       "[[actuator]]\nname = \"right_ankle\"", "there are 5 actuators for 7 links that turn"},
+       "[[actuator]]\nname = \"right_ankle\"",
+       "there are 5 actuators; a robot needs one for each link that moves against the others, 6"},
       {"name = \"left_knee\"", "name = \"left_ankle\"", "# A planar", "two actuators are called \"left_ankle\""},
       {"coordinate = \"q1\"", "coordinate = \"q0\"", "# A planar", "two absolute coordinates are called \"q0\""},
       {"coordinate = \"q1\"", "coordinate = \"xH\"", "# A planar", "two absolute coordinates are called \"xH\""},
@@ -240,7 +274,7 @@ TEST_CASE("a file that is no robot at all is refused", "[robot]")
     many += fmt::format(
         "[[link]]\nname = \"l{}\"\nparent = \"l{}\"\njoint = \"revolute\"\nat = [0, 0]\nmass = 1\ninertia = 1\n", i,
         i - 1);
-  CHECK(complaint(many).find("link 'l14' is one angle too many; at most 14 links may turn") != std::string::npos);
+  CHECK(complaint(many).find("link 'l14' is one too many that moves; at most 14 are possible") != std::string::npos);
 
   try
   {
@@ -250,7 +284,8 @@ TEST_CASE("a file that is no robot at all is refused", "[robot]")
   catch (const FileError& error)
   {
     CHECK(std::string(error.what()) ==
-          "\"no-such-robot\" is neither a robot that ships (ck, human-subject01) nor a .toml file");
+          "\"no-such-robot\" is neither a robot that ships (ck, rk, six-link, compass, bip-itlag, human-subject01, "
+          "rabbit) nor a .toml file");
   }
   CHECK_THROWS_AS(load_robot("/no/such/file.toml"), FileError);
   CHECK_THROWS_AS(load_robot("/tmp/.toml"), FileError);

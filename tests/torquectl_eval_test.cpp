@@ -533,7 +533,8 @@ TEST_CASE("what cannot be done ends with its exit code and one line", "[torquect
       {{"send", folder.file("none")}, 65, folder.file("none") + ": cannot be read: No such file or directory"},
       {{"eval", kWalk, "-o", out, "--robot", "x"},
        78,
-       "\"x\" is neither a robot that ships (ck, human-subject01) nor a .toml file"},
+       "\"x\" is neither a robot that ships (ck, rk, six-link, compass, bip-itlag, human-subject01, rabbit) nor a "
+       ".toml file"},
       {{"model", "--robot", folder.file("x.toml")},
        78,
        folder.file("x.toml") + ": cannot be read: No such file or directory"},
@@ -609,8 +610,11 @@ TEST_CASE("a robot's printed file is the robot, and its description names every 
       CHECK(description.find("\n  " + link.name + " ") != std::string::npos);
     for (const Actuator& actuator : robot.actuators)
       CHECK(description.find("\n  " + actuator.name + " ") != std::string::npos);
-    CHECK(description.find("\n  left_knee = q2 - q1\n") != std::string::npos);
-    CHECK(description.find("\n  q6 = q6\n") != std::string::npos);
+    for (const std::string& coordinate : robot.relative_names)
+      CHECK(description.find("\n  " + coordinate + " = ") != std::string::npos);
     CHECK(run({"model", "--list"}).out.find(std::string(name) + "\n") != std::string::npos);
   }
+  const std::string compass = run({"model", "--robot", "compass"}).out;
+  CHECK(compass.find("\n  q1 = theta_s + 1.5708\n  q2 = theta_ns - theta_s - 3.14159\n") != std::string::npos);
+  CHECK(compass.find("\nthe root, stance_foot, is fixed to the world\n") != std::string::npos);
 }

@@ -16,7 +16,7 @@ Eigen::Vector2d conjugate_product(const Eigen::Vector2d& a, const Eigen::Vector2
 
 VectorQ inverse_dynamics(const Mechanism& mechanism, const Kinematics& now, const VectorQ& a)
 {
-  const int angles = mechanism.num_angles();
+  const int size = mechanism.num_theta();
   const int directions = mechanism.num_directions();
   const auto& S = mechanism.moments();
 
@@ -24,7 +24,7 @@ VectorQ inverse_dynamics(const Mechanism& mechanism, const Kinematics& now, cons
   const Eigen::Vector2d a_base = a.tail<2>() + Eigen::Vector2d(0.0, mechanism.gravity());
 
   // acceleration of a unit arm of every direction
-  const VectorD turn = mechanism.W() * a.head(angles);
+  const VectorD turn = mechanism.W() * a.head(size);
   PlaneVectors arm(2, directions);
   for (int k = 0; k < directions; ++k)
     arm.col(k) = turn(k) * perp(now.e.col(k)) - now.rate(k) * now.rate(k) * now.e.col(k);
@@ -42,13 +42,81 @@ VectorQ inverse_dynamics(const Mechanism& mechanism, const Kinematics& now, cons
   for (int k = 0; k < directions; ++k)
     moment(k) = perp(now.e.col(k)).dot(felt.col(k));
 
-  VectorQ r(mechanism.num_coordinates());
-  r.head(angles) = mechanism.W().transpose() * moment + mechanism.inertia() * a.head(angles);
+  VectorQ r(mechanism.num_q());
+  r.head(size) = mechanism.W().transpose() * moment + mechanism.inertia() * a.head(size);
   Eigen::Vector2d force = mechanism.mass() * a_base;
   for (int k = 0; k < directions; ++k)
     force += rotate(S.col(k), arm.col(k));
   r.tail<2>() = force;
   return r;
+}
+
+MatrixQ mass_matrix(const Mechanism& mechanism, const Kinematics& now)
+{
+  const int size = mechanism.num_theta();
+  const int directions = mechanism.num_directions();
+  const auto& W = mechanism.W();
+
+  MatrixD between = MatrixD::Zero(directions, directions);
+  for (const Mechanism::Pair& pair : mechanism.pairs())
+    between(pair.j, pair.k) = between(pair.k, pair.j) = now.e.col(pair.j).dot(rotate(pair.P, now.e.col(pair.k)));
+  PlaneVectors base(2, directions);
+  for (int k = 0; k < directions; ++k)
+    base.col(k) = perp(rotate(now.e.col(k), mechanism.moments().col(k)));
+
+  MatrixQ M(size + 2, size + 2);
+  M.topLeftCorner(size, size) = W.transpose() * between * W + mechanism.inertia();
+  M.bottomLeftCorner(2, size) = base * W;
+  M.topRightCorner(size, 2) = M.bottomLeftCorner(2, size).transpose();
+  M.bottomRightCorner<2, 2>() = mechanism.mass() * Eigen::Matrix2d::Identity();
+  return M;
+}
+
+MatrixQ coriolis_matrix(const Mechanism& mechanism, const Kinematics& now)
+{
+  const int size = mechanism.num_theta();
+  const int directions = mechanism.num_directions();
+  const auto& W = mechanism.W();
+
+  MatrixD between = MatrixD::Zero(directions, directions);
+  for (const Mechanism::Pair& pair : mechanism.pairs())
+  {
+    const double sine = cross(now.e.col(pair.j), rotate(pair.P, now.e.col(pair.k)));
+    between(pair.j, pair.k) = -sine * now.rate(pair.k);
+    between(pair.k, pair.j) = sine * now.rate(pair.j);
+  }
+  PlaneVectors base(2, directions);
+  for (int k = 0; k < directions; ++k)
+    base.col(k) = -now.rate(k) * rotate(now.e.col(k), mechanism.moments().col(k));
+
+  MatrixQ C = MatrixQ::Zero(size + 2, size + 2);
+  C.topLeftCorner(size, size) = W.transpose() * between * W;
+  C.bottomLeftCorner(2, size) = base * W;
+  return C;
+}
+
+VectorQ gravity_force(const Mechanism& mechanism, const Kinematics& now)
+{
+  VectorD moment(mechanism.num_directions());
+  for (int k = 0; k < mechanism.num_directions(); ++k)
+    moment(k) = mechanism.gravity() * rotate(now.e.col(k), mechanism.moments().col(k)).x();
+  VectorQ g(mechanism.num_q());
+  g.head(mechanism.num_theta()) = mechanism.W().transpose() * moment;
+  g.tail<2>() << 0.0, mechanism.mass() * mechanism.gravity();
+  return g;
+}
+
+double kinetic_energy(const Mechanism& mechanism, const Kinematics& now, const VectorQ& v)
+{
+  return 0.5 * v.dot(mass_matrix(mechanism, now) * v);
+}
+
+double potential_energy(const Mechanism& mechanism, const Kinematics& now)
+{
+  double moment = mechanism.mass() * now.base.y();
+  for (int k = 0; k < mechanism.num_directions(); ++k)
+    moment += rotate(now.e.col(k), mechanism.moments().col(k)).y();
+  return mechanism.gravity() * moment;
 }
 
 } // namespace torqued

@@ -7,10 +7,10 @@ namespace torqued
 
 Kinematics kinematics(const Mechanism& mechanism, const VectorQ& q, const VectorQ& v)
 {
-  const int angles = mechanism.num_angles();
+  const int size = mechanism.num_theta();
   Kinematics now;
-  const VectorD phi = mechanism.W() * q.head(angles) + mechanism.offset();
-  now.rate = mechanism.W() * v.head(angles);
+  const VectorD phi = mechanism.W() * q.head(size);
+  now.rate = mechanism.W() * v.head(size);
   now.e.resize(2, phi.size());
   for (int k = 0; k < phi.size(); ++k)
     now.e.col(k) << std::cos(phi(k)), std::sin(phi(k));
@@ -33,11 +33,11 @@ Eigen::Vector2d position(const Kinematics& now, const Point& point)
 
 void point_jacobian(const Mechanism& mechanism, const Kinematics& now, const Point& point, int row, Jacobian& J)
 {
-  const int angles = mechanism.num_angles();
+  const int size = mechanism.num_theta();
   auto rows = J.middleRows<2>(row);
   rows.setZero();
   for (const Arm& arm : point)
-    rows.leftCols(angles) += perp(rotate(now.e.col(arm.direction), arm.r)) * mechanism.W().row(arm.direction);
+    rows.leftCols(size) += perp(rotate(now.e.col(arm.direction), arm.r)) * mechanism.W().row(arm.direction);
   rows.rightCols<2>().setIdentity();
 }
 

@@ -16,7 +16,7 @@ struct Kinematics
 
 /// Computes sines, cosines and rates of all directions, once.
 ///
-/// q, v: length mechanism.num_coordinates().
+/// q, v: length mechanism.num_q().
 Kinematics kinematics(const Mechanism& mechanism, const VectorQ& q, const VectorQ& v);
 
 /// p − p_base = Σ R(φ) r, in W, m.
@@ -32,7 +32,7 @@ using Jacobian = Bounded<6, kMaxCoordinates>;
 ///
 ///   column of θ_c: Σ W_kc R(φ_k) r_k⊥;   columns of the base point: the unit matrix
 ///
-/// Requires: J has num_coordinates() columns and those rows; they are overwritten.
+/// Requires: J has num_q() columns and those rows; they are overwritten.
 void point_jacobian(const Mechanism& mechanism, const Kinematics& now, const Point& point, int row, Jacobian& J);
 
 /// J̇ v of a point, m/s²: −Σ φ̇² R(φ) r.

@@ -7,15 +7,16 @@
 ///          |                          picture (x to the right, z up). SI units and radians.
 ///          +-----> x                  The moment of a force F at r is r_x F_z − r_z F_x.
 ///
-/// Every link, and every massless bar between rolling circles, is a *direction*: a frame turned by
+/// Every link that turns, and every massless bar between rolling circles, is a *direction*: a frame turned by
 ///
-///   φ = W θ + φ₀                                                                       (W, φ₀ constant)
+///   φ = W θ                                                                            (W constant)
 ///
 /// against the world. A *point* of the mechanism is the base point plus arms, each constant in its direction's frame:
 ///
 ///   p = p_base + Σₖ R(φₖ) rₖ
 ///
-/// The generalized coordinates are q = (θ, x_base, z_base); v = q̇ and a = q̈.
+/// The generalized coordinates are q = (θ, x_base, z_base); v = q̇ and a = q̈. θ holds angles, and displacements of
+/// bodies that slide sideways, out of the plane: these turn no direction.
 #pragma once
 
 #include <Eigen/Core>
@@ -26,8 +27,8 @@ namespace torqued
 
 /// The most coordinates of a mechanism, those of the base point included.
 inline constexpr int kMaxCoordinates = 16;
-/// The most directions: links that turn and bars between rolling circles.
-inline constexpr int kMaxDirections = 24;
+/// The most directions: what the angles turn, a bar for each of them but the root's, and the world.
+inline constexpr int kMaxDirections = 2 * (kMaxCoordinates - 2);
 
 template <int MaxRows, int MaxCols>
 using Bounded = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, MaxRows, MaxCols>;
@@ -38,6 +39,7 @@ using VectorQ = BoundedVector<kMaxCoordinates>;
 using MatrixQ = Bounded<kMaxCoordinates, kMaxCoordinates>;
 /// One number per direction.
 using VectorD = BoundedVector<kMaxDirections>;
+using MatrixD = Bounded<kMaxDirections, kMaxDirections>;
 /// One plane vector per direction, as columns.
 using PlaneVectors = Eigen::Matrix<double, 2, Eigen::Dynamic, 0, 2, kMaxDirections>;
 
@@ -69,25 +71,29 @@ struct Arm
 /// A point of the mechanism, as the arms that lead to it from the base point; no direction occurs twice.
 using Point = std::vector<Arm>;
 
-/// A mass (kg) at a point, with a moment of inertia (kg m²) about it that turns with a direction.
+/// A rigid body, as the parameters in which the equation of motion is linear; about a point of the mechanism that is
+/// fixed in the body, its origin.
 struct Body
 {
-  double mass;
-  double inertia;
-  int direction;
-  Point com;
+  Point origin;
+  int direction;           ///< of its frame
+  double mass;             ///< kg
+  Eigen::Vector2d moment;  ///< mass × centre of mass, in its frame, kg m
+  double inertia;          ///< about the origin: that about the centre of mass, and m |c|², kg m²
+  std::vector<int> slides; ///< members of θ that add up to its displacement sideways
 };
 
 /// The constants of a mechanism, folded once from its bodies; immutable.
 ///
-/// With rₖ the arm of direction k to a body's centre of mass, as a complex number x + iz, and conj its conjugate:
+/// With rₖ the arm of direction k to a particle of mass m, as a complex number x + iz, and conj its conjugate:
 ///
-///   mass      m   = Σ m_b
-///   moments   S_k = Σ m_b r_k           kg m, in direction k's frame
-///   pairs     P_jk = Σ m_b conj(r_j) r_k, j < k and not zero, kg m²
-///   inertia   Wᵀ diag(I_k + P_kk) W     kg m², the part of M(q) that is the same in every pose
+///   mass      m   = Σ m
+///   moments   S_k = Σ m r_k             kg m, in direction k's frame
+///   pairs     P_jk = Σ m conj(r_j) r_k, j < k and not zero, kg m²
+///   inertia   Wᵀ diag(Σ m |r_k|²) W     kg m², the part of M(q) that is the same in every pose; and the masses that
+///                                       each slide moves, kg
 ///
-/// Inverse dynamics needs nothing else (dynamics.h).
+/// The equation of motion needs nothing else (dynamics.h).
 class Mechanism
 {
 public:
@@ -98,28 +104,27 @@ public:
     Eigen::Vector2d P;
   };
 
-  /// W: directions × angles; offset: φ₀, rad; gravity: m/s², downward.
+  /// W: directions × length of θ; gravity: m/s², downward.
   ///
-  /// Requires: sizes that agree and stay within kMaxCoordinates and kMaxDirections; arms and bodies that name
-  /// existing directions.
-  Mechanism(const Eigen::MatrixXd& W, const Eigen::VectorXd& offset, const std::vector<Body>& bodies, double gravity);
+  /// Requires: sizes that stay within kMaxCoordinates and kMaxDirections; arms and bodies that name existing
+  /// directions and members of θ.
+  Mechanism(const Eigen::MatrixXd& W, const std::vector<Body>& bodies, double gravity);
 
-  int num_angles() const { return static_cast<int>(W_.cols()); }
+  /// Length of θ.
+  int num_theta() const { return static_cast<int>(W_.cols()); }
+  /// Length of q, v and a: θ, and the base point's two coordinates.
+  int num_q() const { return num_theta() + 2; }
   int num_directions() const { return static_cast<int>(W_.rows()); }
-  /// Length of q, v and a: the angles, and the base point's two coordinates.
-  int num_coordinates() const { return num_angles() + 2; }
 
   const Bounded<kMaxDirections, kMaxCoordinates>& W() const { return W_; }
-  const VectorD& offset() const { return offset_; }
   double gravity() const { return gravity_; }               ///< m/s², downward
   double mass() const { return mass_; }                     ///< m, kg
   const PlaneVectors& moments() const { return moments_; }  ///< S, kg m, one column per direction
   const std::vector<Pair>& pairs() const { return pairs_; } ///< P, kg m², those that are not zero
-  const MatrixQ& inertia() const { return inertia_; }       ///< kg m², angles × angles
+  const MatrixQ& inertia() const { return inertia_; }       ///< kg m², kg; θ × θ
 
 private:
   Bounded<kMaxDirections, kMaxCoordinates> W_;
-  VectorD offset_;
   double gravity_;
   double mass_ = 0.0;
   PlaneVectors moments_;

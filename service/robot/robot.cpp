@@ -34,20 +34,25 @@ public:
     resolve_links();
     number_coordinates();
     place_links();
+    const Mechanism built = mechanism();
     Robot robot{description_.name,
                 description_.source,
                 links_,
+                order_,
                 {},
                 {},
                 absolute_names_,
                 {},
-                description_.base_names,
-                mechanism(),
+                {},
+                built,
+                {},
                 {},
                 {},
                 {},
                 0.0,
                 0};
+    if (!fixed_root())
+      robot.base_names = description_.base_names;
     add_actuators(robot);
     add_feet(robot);
     check_names(robot);
@@ -74,9 +79,9 @@ private:
   {
     if (description_.links.empty())
       fail(1, "there is no [[link]]; a robot needs at least its root");
-    if (description_.links.size() > kMaxDirections)
-      fail(description_.links[kMaxDirections].line,
-           fmt::format("there are {} links; at most {} are possible", description_.links.size(), kMaxDirections));
+    if (description_.links.size() > kMaxLinks)
+      fail(description_.links[kMaxLinks].line,
+           fmt::format("there are {} links; at most {} are possible", description_.links.size(), kMaxLinks));
     for (const auto& entry : description_.links)
     {
       if (!index_.emplace(entry.link.name, static_cast<int>(links_.size())).second)
@@ -86,16 +91,21 @@ private:
     for (std::size_t i = 0; i < links_.size(); ++i)
     {
       const auto& entry = description_.links[i];
-      if (links_[i].joint != JointKind::floating)
+      const bool on_world = entry.parent == kWorld;
+      if (links_[i].joint != JointKind::floating && !on_world)
         links_[i].parent = link_index(entry.parent, entry.line, fmt::format("link '{}': parent", links_[i].name));
+      else if (on_world && links_[i].joint != JointKind::fixed)
+        fail(entry.line, fmt::format("link '{}' is {} on the world; a root that does not float is fixed there",
+                                     links_[i].name, name_of(links_[i].joint)));
       else if (root_ >= 0)
-        fail(entry.line, fmt::format("links '{}' and '{}' both float; one root carries all others",
+        fail(entry.line, fmt::format("links '{}' and '{}' are both roots; one root carries all others",
                                      links_[static_cast<std::size_t>(root_)].name, links_[i].name));
       else
         root_ = static_cast<int>(i);
     }
     if (root_ < 0)
-      fail(description_.links.front().line, "no link has joint = \"floating\"; the root must float");
+      fail(description_.links.front().line,
+           "there is no root: one link must have joint = \"floating\", or joint = \"fixed\" and parent = \"world\"");
     order_from_root();
   }
 
@@ -113,37 +123,87 @@ private:
              fmt::format("link '{}' does not hang on the root: its parents form a circle", links_[i].name));
   }
 
+  // θ: the coordinates in the file's order, then the angle of a fixed root
   void number_coordinates()
   {
     for (std::size_t i = 0; i < links_.size(); ++i)
     {
-      if (links_[i].joint == JointKind::fixed)
+      if (links_[i].joint == JointKind::fixed || links_[i].joint == JointKind::parallel)
         continue;
-      links_[i].coordinate = static_cast<int>(absolute_names_.size());
+      links_[i].coordinate = num_theta_++;
       absolute_names_.push_back(description_.links[i].coordinate);
-      if (absolute_names_.size() + 2 > kMaxCoordinates)
-        fail(description_.links[i].line, fmt::format("link '{}' is one angle too many; at most {} links may turn",
-                                                     links_[i].name, kMaxCoordinates - 2));
+      if (num_theta_ + (fixed_root() ? 1 : 0) + 2 > kMaxCoordinates)
+        fail(description_.links[i].line, fmt::format("link '{}' is one too many that moves; at most {} are possible",
+                                                     links_[i].name, num_theta_ - 1));
     }
+    if (fixed_root())
+      links_[static_cast<std::size_t>(root_)].coordinate = num_theta_++;
   }
 
-  // Each link's direction and origin. A direction is the angle of a link that turns; a fixed link shares its parent's.
+  // Each link's direction and origin. The first directions are the members of θ; bars and the world follow.
   void place_links()
   {
+    W_ = Eigen::MatrixXd::Identity(num_theta_, num_theta_);
+    for (const Link& link : links_)
+      if (link.joint == JointKind::slide)
+        W_.row(link.coordinate).setZero();
     for (const int i : order_)
     {
       Link& link = links_[static_cast<std::size_t>(i)];
-      if (link.parent < 0)
-      {
-        link.direction = link.coordinate;
+      link.direction = link.coordinate;
+      if (i == root_)
         continue;
-      }
       const Link& parent = links_[static_cast<std::size_t>(link.parent)];
       link.origin = point_of(parent, link.at);
-      link.direction = link.joint == JointKind::fixed ? parent.direction : link.coordinate;
-      link.direction_angle = link.joint == JointKind::fixed ? parent.direction_angle + link.angle : 0.0;
+      link.slides = parent.slides;
+      switch (link.joint)
+      {
+      case JointKind::floating:
+      case JointKind::revolute: break;
+      case JointKind::rolling: place_rolling(link, parent, description_.links[static_cast<std::size_t>(i)].line); break;
+      case JointKind::parallel:
+        if (!fixed_root())
+          fail(description_.links[static_cast<std::size_t>(i)].line,
+               fmt::format("link '{}' is parallel to the world, but the root floats: nothing could hold it; the root "
+                           "must be fixed to the world",
+                           link.name));
+        link.direction = links_[static_cast<std::size_t>(root_)].direction;
+        link.direction_angle = link.angle;
+        break;
+      case JointKind::slide:
+        link.slides.push_back(link.coordinate);
+        link.direction = parent.direction;
+        link.direction_angle = parent.direction_angle;
+        break;
+      case JointKind::fixed:
+        link.direction = parent.direction;
+        link.direction_angle = parent.direction_angle + link.angle;
+        break;
+      }
     }
   }
+
+  // the bar between the circles' centres is a direction of its own: γ = share_p φ_parent + share_c φ + angle
+  void place_rolling(Link& link, const Link& parent, int line)
+  {
+    const double length = link.parent_radius + link.child_radius;
+    if (!(length > 0.0))
+      fail(line,
+           fmt::format("link '{}': parent_radius and child_radius are both 0; that is a revolute joint", link.name));
+    const int bar =
+        add_direction(link.parent_share() * W_.row(parent.direction) + link.child_share() * W_.row(link.coordinate));
+    const double bar_angle = link.parent_share() * parent.direction_angle + link.angle;
+    link.origin.push_back({bar, rotate(unit(bar_angle), {0.0, -length})});
+  }
+
+  int add_direction(const Eigen::RowVectorXd& row)
+  {
+    W_.conservativeResize(W_.rows() + 1, Eigen::NoChange);
+    W_.bottomRows<1>() = row;
+    return static_cast<int>(W_.rows()) - 1;
+  }
+
+  bool fixed_root() const { return links_[static_cast<std::size_t>(root_)].joint == JointKind::fixed; }
 
   static Point point_of(const Link& link, const Eigen::Vector2d& r)
   {
@@ -164,59 +224,101 @@ private:
     double mass = 0.0;
     for (const Link& link : links_)
     {
-      bodies.push_back({link.mass, link.inertia, link.direction, point_of(link, link.com)});
+      bodies.push_back(body_of(link));
       mass += link.mass;
     }
     if (!(mass > 0.0))
       fail(description_.links.front().line, "all links are massless; the robot's mass must be positive");
-    const auto angles = static_cast<Eigen::Index>(absolute_names_.size());
-    return Mechanism(Eigen::MatrixXd::Identity(angles, angles), Eigen::VectorXd::Zero(angles), bodies,
-                     description_.gravity);
+    return Mechanism(W_, bodies, description_.gravity);
+  }
+
+  // one for each joint that moves, turning the child against its parent
+  std::vector<RobotDescription::ActuatorEntry> default_actuators() const
+  {
+    std::vector<RobotDescription::ActuatorEntry> entries;
+    for (std::size_t i = 0; i < links_.size(); ++i)
+      if (const Link& link = links_[i]; static_cast<int>(i) != root_ && link.coordinate >= 0)
+      {
+        Actuator actuator;
+        actuator.name = link.name;
+        actuator.torque_limit = actuator.rate_limit = INFINITY;
+        entries.push_back({actuator, link.name, links_[static_cast<std::size_t>(link.parent)].name, link.name, 0.0,
+                           description_.links[i].line});
+      }
+    return entries;
   }
 
   // q_relative = A q_absolute + b
-  void add_actuators(Robot& robot) const
+  void add_actuators(Robot& robot)
   {
-    std::vector<RobotDescription::ActuatorEntry> entries = description_.actuators;
-    if (entries.empty())
-      for (std::size_t i = 0; i < links_.size(); ++i)
-        if (links_[i].joint == JointKind::revolute)
-          entries.push_back({links_[i].name, links_[i].name, links_[static_cast<std::size_t>(links_[i].parent)].name,
-                             links_[i].name, 0.0, INFINITY, INFINITY, description_.links[i].line});
-
-    const int angles = robot.num_angles();
+    const auto entries = description_.actuators.empty() ? default_actuators() : description_.actuators;
     const int last_line = entries.empty() ? description_.links.front().line : entries.back().line;
-    if (static_cast<int>(entries.size()) != angles - 1)
-      fail(last_line, fmt::format("there are {} actuators for {} links that turn; a floating robot needs one less than "
-                                  "links that turn, that is {}",
-                                  entries.size(), angles, angles - 1));
-    robot.A = MatrixQ::Zero(angles, angles);
-    robot.b = VectorQ::Zero(angles);
+    if (static_cast<int>(entries.size()) != num_theta_ - 1)
+      fail(last_line,
+           fmt::format("there are {} actuators; a robot needs one for each link that moves against the others, {}",
+                       entries.size(), num_theta_ - 1));
+    robot.A = MatrixQ::Zero(num_theta_, num_theta_);
+    robot.b = VectorQ::Zero(num_theta_);
+    robot.kappa.resize(num_theta_ - 1);
     for (const auto& entry : entries)
     {
       const int row = robot.num_joints();
-      const std::string role = fmt::format("actuator '{}'", entry.name);
-      const int on = link_index(entry.on, entry.line, role + ": on");
-      const int against = link_index(entry.against, entry.line, role + ": against");
-      const Link& turned = links_[static_cast<std::size_t>(on)];
-      const Link& pushed = links_[static_cast<std::size_t>(against)];
-      if (turned.direction == pushed.direction)
+      Actuator actuator = entry.actuator;
+      const std::string role = fmt::format("actuator '{}'", actuator.name);
+      actuator.on = link_index(entry.on, entry.line, role + ": on");
+      if (entry.against == kWorld && !fixed_root())
+        fail(entry.line, fmt::format("{}: against the world, but the root floats: a robot that nothing holds can push "
+                                     "against its own links only",
+                                     role));
+      actuator.against = entry.against == kWorld ? root_ : link_index(entry.against, entry.line, role + ": against");
+      const Link& on = links_[static_cast<std::size_t>(actuator.on)];
+      const Link& against = links_[static_cast<std::size_t>(actuator.against)];
+      if (on.joint == JointKind::slide && on.parent == actuator.against)
+        robot.A(row, on.coordinate) = 1.0;
+      else
+      {
+        robot.A.row(row) = W_.row(on.direction) - W_.row(against.direction);
+        robot.b(row) = on.direction_angle - against.direction_angle;
+      }
+      if (robot.A.row(row).isZero(0.0))
         fail(entry.line,
-             fmt::format("{}: links '{}' and '{}' do not turn against each other", role, entry.on, entry.against));
-      robot.A(row, turned.direction) += 1.0;
-      robot.A(row, pushed.direction) -= 1.0;
-      robot.b(row) = turned.direction_angle - pushed.direction_angle + entry.offset;
+             fmt::format("{}: '{}' and '{}' do not turn against each other", role, entry.on, entry.against));
+      robot.b(row) += entry.offset;
+      actuator.kappa = robot.kappa(row) = kappa(actuator, entry.line);
       robot.relative_names.push_back(entry.coordinate);
-      robot.actuators.push_back({entry.name, on, against, entry.torque_limit, entry.rate_limit});
+      robot.actuators.push_back(actuator);
     }
     const Link& root = links_[static_cast<std::size_t>(root_)];
-    robot.A(angles - 1, root.coordinate) = 1.0;
-    robot.relative_names.push_back(absolute_names_[static_cast<std::size_t>(root.coordinate)]);
+    robot.A(num_theta_ - 1, root.coordinate) = 1.0;
+    if (!fixed_root())
+      robot.relative_names.push_back(absolute_names_[static_cast<std::size_t>(root.coordinate)]);
 
     const Eigen::FullPivLU<MatrixQ> lu(robot.A);
     if (!lu.isInvertible())
-      fail(last_line, "the actuators do not reach every link that turns: some push between the same links");
+      fail(last_line, "the actuators do not reach every link that moves: some push between the same links");
     robot.A_inverse = lu.inverse();
+  }
+
+  double kappa(const Actuator& actuator, int line) const
+  {
+    if (actuator.placement == Placement::links)
+      return 1.0;
+    const Link& on = links_[static_cast<std::size_t>(actuator.on)];
+    const Link& against = links_[static_cast<std::size_t>(actuator.against)];
+    const Link* child = nullptr;
+    if (on.joint == JointKind::rolling && on.parent == actuator.against)
+      child = &on;
+    else if (against.joint == JointKind::rolling && against.parent == actuator.on)
+      child = &against;
+    if (!child)
+      fail(line, fmt::format("actuator '{}': between = \"{}\", but there is no rolling joint between its links",
+                             actuator.name, name_of(actuator.placement)));
+    const double kappa = actuator.placement == Placement::bar_parent ? child->child_share() : child->parent_share();
+    if (!(kappa > 0.0))
+      fail(line, fmt::format("actuator '{}': between = \"{}\", but these two do not turn against each other, because a "
+                             "radius of the joint of '{}' is 0",
+                             actuator.name, name_of(actuator.placement), child->name));
+    return kappa;
   }
 
   void add_feet(Robot& robot) const
@@ -235,21 +337,47 @@ private:
       foot.ankle = point_of(link, foot.ankle_at);
       foot.heel = point_of(link, foot.heel_at);
       foot.toe = point_of(link, foot.toe_at);
-      if (foot.has_sole() && (foot.heel_at.y() != foot.toe_at.y() || !(foot.heel_at.x() < foot.toe_at.x())))
+      if (foot.has_extent() && (foot.heel_at.y() != foot.toe_at.y() || !(foot.heel_at.x() < foot.toe_at.x())))
         fail(entry.line,
              fmt::format("{}: heel is at ({}, {}) and toe at ({}, {}); the toe must lie before the heel and "
                          "as high as it, so that the sole is level when the foot's angle is 0",
                          role, foot.heel_at.x(), foot.heel_at.y(), foot.toe_at.x(), foot.toe_at.y()));
     }
-    for (const Side side : kSides)
-      if (!seen[static_cast<std::size_t>(side)])
-        fail(1, fmt::format("there is no [[foot]] with side = \"{}\"; a biped has one on each side", name_of(side)));
+    const auto on_root = [&](const Foot& foot)
+    {
+      return robot.is_root(foot);
+    };
+    if (fixed_root() && std::none_of(robot.feet.begin(), robot.feet.end(), on_root))
+      fail(description_.links[static_cast<std::size_t>(root_)].line,
+           fmt::format("link '{}' is fixed to the world, but is no [[foot]]: a fixed root stands for a foot, and its "
+                       "[[foot]] says which",
+                       links_[static_cast<std::size_t>(root_)].name));
+    if (!fixed_root() && !description_.feet.empty())
+      for (const Side side : kSides)
+        if (!seen[static_cast<std::size_t>(side)])
+          fail(1, fmt::format("there is no [[foot]] with side = \"{}\"; a biped has one on each side", name_of(side)));
+    robot.leg_length = leg_length(robot);
+  }
 
-    const auto& mechanism = robot.mechanism;
-    const VectorQ straight = VectorQ::Zero(mechanism.num_coordinates());
-    const Kinematics pose = kinematics(mechanism, straight, straight);
-    robot.leg_length =
-        std::max(from_base(pose, robot.feet[0].ankle).norm(), from_base(pose, robot.feet[1].ankle).norm());
+  double leg_length(const Robot& robot) const
+  {
+    double length = 0.0;
+    if (fixed_root() || description_.feet.empty())
+    {
+      for (const Link& link : links_)
+      {
+        double way = link.com.norm();
+        for (const Arm& arm : link.origin)
+          way += arm.r.norm();
+        length = std::max(length, way);
+      }
+      return length;
+    }
+    const VectorQ straight = VectorQ::Zero(robot.mechanism.num_q());
+    const Kinematics pose = kinematics(robot.mechanism, straight, straight);
+    for (const Foot& foot : robot.feet)
+      length = std::max(length, from_base(pose, foot.ankle).norm());
+    return length;
   }
 
   void check_names(const Robot& robot) const
@@ -304,6 +432,8 @@ private:
       hash.add(static_cast<int>(link.joint));
       hash.add(link.at);
       hash.add(link.angle);
+      hash.add(link.parent_radius);
+      hash.add(link.child_radius);
       hash.add(link.mass);
       hash.add(link.com);
       hash.add(link.inertia);
@@ -313,18 +443,22 @@ private:
       hash.add(actuator.name);
       hash.add(actuator.on);
       hash.add(actuator.against);
-      hash.add(actuator.torque_limit);
-      hash.add(actuator.rate_limit);
+      for (const double number :
+           {actuator.kappa, actuator.torque_limit, actuator.rate_limit, actuator.rotor_inertia, actuator.coulomb,
+            actuator.viscous, actuator.stribeck, actuator.stribeck_velocity, actuator.friction_offset})
+        hash.add(number);
     }
     for (const Foot& foot : robot.feet)
     {
       hash.add(foot.link);
+      if (!foot.exists())
+        continue;
       hash.add(foot.ankle_at);
       hash.add(foot.heel_at);
       hash.add(foot.toe_at);
       hash.add(foot.friction);
     }
-    for (int i = 0; i < robot.num_angles(); ++i)
+    for (int i = 0; i < robot.num_coordinates(); ++i)
     {
       hash.add(robot.absolute_names[static_cast<std::size_t>(i)]);
       hash.add(robot.relative_names[static_cast<std::size_t>(i)]);
@@ -338,7 +472,8 @@ private:
   std::map<std::string, int> index_;
   std::vector<int> order_;
   std::vector<std::string> absolute_names_;
-  int root_ = -1;
+  Eigen::MatrixXd W_;
+  int root_ = -1, num_theta_ = 0;
 };
 
 } // namespace
@@ -346,6 +481,48 @@ private:
 std::string_view name_of(Side side)
 {
   return side == Side::left ? "left" : "right";
+}
+
+std::string_view name_of(JointKind kind)
+{
+  constexpr std::string_view names[] = {"floating", "revolute", "rolling", "parallel", "slide", "fixed"};
+  return names[static_cast<std::size_t>(kind)];
+}
+
+std::string_view name_of(Placement placement)
+{
+  constexpr std::string_view names[] = {"links", "bar-parent", "bar-child"};
+  return names[static_cast<std::size_t>(placement)];
+}
+
+Body body_of(const Link& link)
+{
+  const Eigen::Vector2d com = rotate(unit(link.direction_angle), link.com);
+  return {link.origin, link.direction, link.mass, link.mass * com, link.inertia + link.mass * com.squaredNorm(),
+          link.slides};
+}
+
+VectorJ joint_rates(const Robot& robot, const VectorQ& theta_rates)
+{
+  return robot.kappa.cwiseProduct(robot.A.topRows(robot.num_joints()) * theta_rates);
+}
+
+VectorQ joint_forces(const Robot& robot, const VectorJ& torque)
+{
+  return robot.A.topRows(robot.num_joints()).transpose() * robot.kappa.cwiseProduct(torque);
+}
+
+VectorJ joint_torques(const Robot& robot, const VectorQ& force)
+{
+  return (robot.A_inverse.leftCols(robot.num_joints()).transpose() * force).cwiseQuotient(robot.kappa);
+}
+
+Bounded<kMaxCoordinates, kMaxJoints> input_matrix(const Robot& robot)
+{
+  Bounded<kMaxCoordinates, kMaxJoints> B =
+      Bounded<kMaxCoordinates, kMaxJoints>::Zero(robot.mechanism.num_q(), robot.num_joints());
+  B.topRows(robot.mechanism.num_theta()) = robot.A.topRows(robot.num_joints()).transpose() * robot.kappa.asDiagonal();
+  return B;
 }
 
 Robot assemble(const RobotDescription& description)

@@ -12,7 +12,11 @@
 namespace torqued
 {
 
-/// The most actuators: one for each coordinate that is not the base's.
+/// What a root that is fixed stands on, and what an actuator may push against; no link's name.
+inline constexpr std::string_view kWorld = "world";
+/// The most links.
+inline constexpr int kMaxLinks = 24;
+/// The most actuators: one for each member of θ.
 inline constexpr int kMaxJoints = kMaxCoordinates;
 /// One number per actuator.
 using VectorJ = BoundedVector<kMaxJoints>;
@@ -35,8 +39,16 @@ enum class JointKind : std::int8_t
 {
   floating = 0, ///< x, z and an angle against the world: the root
   revolute = 1, ///< turns about a point of the parent
-  fixed = 5     ///< rides on the parent at a constant angle
+  rolling = 2,  ///< its circle rolls without slip on the parent's circle; a massless bar holds the centres together
+  parallel = 3, ///< moves with a point of the parent and does not turn; only with a fixed root
+  slide = 4,    ///< rides on a point of the parent and slides sideways, out of the plane
+  fixed = 5     ///< rides on the parent at a constant angle; the root: on the world, at angle 0
 };
+/// "floating", "revolute", …
+std::string_view name_of(JointKind kind);
+/// All kinds, in the order of their numbers.
+inline constexpr std::array<JointKind, 6> kJointKinds{JointKind::floating, JointKind::revolute, JointKind::rolling,
+                                                      JointKind::parallel, JointKind::slide,    JointKind::fixed};
 
 /// A stroke that draws a link: from, to in the link's frame, width; m.
 struct Segment
@@ -45,44 +57,78 @@ struct Segment
   double width;
 };
 
-/// A rigid link. Its frame has its origin at the joint to its parent; all vectors are in link frames, m.
+/// A rigid link; all vectors are in link frames, m. Its frame's origin is at the joint to its parent; for a rolling
+/// joint, at the centre of its own circle.
 struct Link
 {
   std::string name;
   int parent = -1; ///< index of the parent link; −1 for the root
   JointKind joint = JointKind::revolute;
-  Eigen::Vector2d at = Eigen::Vector2d::Zero(); ///< the joint in the parent's frame
-  double angle = 0.0;                           ///< fixed: against the parent, rad
-  int coordinate = -1;                          ///< index of its angle in θ; −1 if it has none of its own
-  double mass = 0.0;                            ///< kg
+  Eigen::Vector2d at = Eigen::Vector2d::Zero(); ///< the joint in the parent's frame; rolling: centre of its circle
+  double angle = 0.0; ///< fixed: against the parent; parallel: against the world; rolling: of the bar when parent and
+                      ///< link are at angle 0, from straight down; rad
+  double parent_radius = 0.0, child_radius = 0.0; ///< rolling, m
+  double mass = 0.0;                              ///< kg
   Eigen::Vector2d com = Eigen::Vector2d::Zero();
   double inertia = 0.0; ///< about the centre of mass, kg m²
   std::vector<Segment> drawing;
 
-  int direction = -1;           ///< the mechanism's direction that turns it
+  int coordinate = -1; ///< its member of θ: an angle; slide: a displacement, m; −1 if it has none of its own
+  int direction = -1;  ///< the mechanism's direction that turns it
   double direction_angle = 0.0; ///< its angle against that direction, rad
   Point origin;                 ///< its frame's origin
+  std::vector<int> slides;      ///< members of θ that add up to its displacement sideways
+
+  /// Share of the parent's and of the link's own angle in the bar's angle γ; rolling only.
+  ///
+  ///   (r_p + r_c) γ̇ = r_p φ̇_parent + r_c φ̇
+  double parent_share() const { return parent_radius / (parent_radius + child_radius); }
+  double child_share() const { return child_radius / (parent_radius + child_radius); }
 };
 
-/// A motor between two links: a positive torque turns `on` counter-clockwise and `against` clockwise.
+/// Between which bodies the actuator of a rolling joint acts; numbered in the order of the file's words.
+enum class Placement : std::int8_t
+{
+  links = 0,      ///< parent and child
+  bar_parent = 1, ///< the bar and the parent
+  bar_child = 2   ///< the bar and the child
+};
+/// "links", "bar-parent", "bar-child".
+std::string_view name_of(Placement placement);
+
+/// A motor between two links: a positive torque turns `on` counter-clockwise and `against`
+/// clockwise. On a slide it is a force, N, and every N m here an N, every rad a metre.
+///
+/// Its angle is κ times the angle of `on` minus that of `against`. The torque that it must give, τ, is more than what
+/// the links need of it, τ_out, by what its rotor and its friction take (joint_friction.h).
 struct Actuator
 {
   std::string name;
-  int on = -1, against = -1;
-  double torque_limit; ///< N m; infinite if there is none
-  double rate_limit;   ///< N m/s; infinite if there is none
+  int on = -1, against = -1; ///< links; the world is the fixed root
+  Placement placement = Placement::links;
+  double kappa = 1.0;         ///< κ: 1, or for a rolling joint with a bar the share of its angle that the motor turns
+  double torque_limit;        ///< N m; infinite if there is none
+  double rate_limit;          ///< N m/s; infinite if there is none
+  double rotor_inertia = 0.0; ///< I, reflected to the joint (gear ratio² × the rotor's), kg m²
+  double coulomb = 0.0;       ///< κ_c, N m
+  double viscous = 0.0;       ///< κ_v, N m s/rad
+  double stribeck = 0.0;      ///< κ_s, N m
+  double stribeck_velocity = 1.0; ///< η_s, rad/s; positive
+  double friction_offset = 0.0;   ///< κ_o, N m
 };
 
 /// A foot: where it can touch the ground. A foot without extent has heel = toe = ankle and no sole.
 struct Foot
 {
-  Side side;
-  int link;
-  Eigen::Vector2d ankle_at, heel_at, toe_at; ///< in the link's frame, m; heel and toe lie equally high
-  double friction;                           ///< coefficient μ
-  Point ankle, heel, toe;                    ///< the same points of the mechanism
+  Side side = Side::left;
+  int link = -1; ///< −1: the robot has no foot on this side
+  /// In the link's frame, m; heel and toe lie equally high.
+  Eigen::Vector2d ankle_at = Eigen::Vector2d::Zero(), heel_at = ankle_at, toe_at = ankle_at;
+  double friction = 0.0;  ///< coefficient μ
+  Point ankle, heel, toe; ///< the same points of the mechanism
 
-  bool has_sole() const { return heel_at != toe_at; }
+  bool exists() const { return link >= 0; }
+  bool has_extent() const { return heel_at != toe_at; }
   /// Height of the ankle above the sole, h_p.
   double ankle_height() const { return ankle_at.y() - heel_at.y(); }
   /// Heel and toe along the sole, measured from below the ankle, forward positive: −l_p and l_p1.
@@ -92,32 +138,59 @@ struct Foot
 
 /// A robot as computed with; built by assemble() from a description, constant from then on.
 ///
-/// Coordinates ABSOLUTE are θ, the angles of the links against the world, in the file's order. Coordinates RELATIVE
-/// are the actuators' angles in their order, then the angle of the floating root:
+/// Coordinates ABSOLUTE are the angles of the links against the world (and displacements of slides) in the file's
+/// order. Coordinates RELATIVE are the actuators' angles, without κ, in their order, then that of a floating root:
 ///
 ///   q_relative = A q_absolute + b          A square, invertible; the base point is not part of it
 ///
-/// Generalized forces go the other way: f_absolute = Aᵀ f_relative.
+/// Generalized forces go the other way: f_absolute = Aᵀ f_relative. Source: [De-León-Gómez 2017, (19) to (27)].
+///
+/// A root that is fixed to the world is computed as a floating one at rest: θ then ends with its angle, 0, which is no
+/// coordinate. It stands for the world: what is parallel to the world is so to the root, and what pushes against the
+/// world pushes against the root; so the ground reaction at its foot is that of the whole robot.
 struct Robot
 {
   std::string name;
   std::string source; ///< where its numbers come from
   std::vector<Link> links;
+  std::vector<int> order; ///< links' indices, parents before children
   std::vector<Actuator> actuators;
   std::array<Foot, 2> feet; ///< indexed by Side
   std::vector<std::string> absolute_names, relative_names;
-  std::array<std::string, 2> base_names;
+  std::array<std::string, 2> base_names; ///< empty for a fixed root
   Mechanism mechanism;
-  MatrixQ A, A_inverse;
+  MatrixQ A, A_inverse; ///< with a fixed root's angle as last row and column; so is b
   VectorQ b;
-  double leg_length;     ///< from the base point to the ankle of the straight robot (all angles 0), the longer leg's, m
+  VectorJ kappa;         ///< of every actuator
+  double leg_length;     ///< a length of the robot's size, m: see assemble()
   std::int64_t model_id; ///< FNV-1a of everything above that is more than a comment or a drawing; never 0
 
   int num_joints() const { return static_cast<int>(actuators.size()); }
-  int num_angles() const { return mechanism.num_angles(); }
+  /// Coordinates, the base point and a fixed root not among them.
+  int num_coordinates() const { return static_cast<int>(absolute_names.size()); }
+  int root() const { return order.front(); }
+  bool fixed_root() const { return links[static_cast<std::size_t>(root())].joint == JointKind::fixed; }
   double weight() const { return mechanism.mass() * mechanism.gravity(); }
   const Foot& foot(Side side) const { return feet[static_cast<std::size_t>(side)]; }
+  const Link& link(int index) const { return links[static_cast<std::size_t>(index)]; }
+  /// Whether this foot is the fixed root.
+  bool is_root(const Foot& foot) const { return fixed_root() && foot.link == root(); }
 };
+
+/// A link as a body of the mechanism.
+Body body_of(const Link& link);
+
+/// Bᵀ θ̇: the rates of the angles conjugate to the torques, κ in them; of θ̈ likewise.
+VectorJ joint_rates(const Robot& robot, const VectorQ& theta_rates);
+
+/// B τ in the rows of θ: what torques τ do to the links, B = Aᵀ diag(κ).
+VectorQ joint_forces(const Robot& robot, const VectorJ& torque);
+
+/// B⁺ f: the torques that give f, if any do; else all rows but a floating root's are met.
+VectorJ joint_torques(const Robot& robot, const VectorQ& force);
+
+/// B: the whole matrix, num_q() × num_joints(); the rows of the base point are zero.
+Bounded<kMaxCoordinates, kMaxJoints> input_matrix(const Robot& robot);
 
 /// What a robot file says, names not yet resolved. Lines are those of the file, for complaints.
 struct RobotDescription
@@ -125,13 +198,15 @@ struct RobotDescription
   struct LinkEntry
   {
     Link link;
-    std::string parent, coordinate;
+    std::string parent; ///< "world" for a fixed root
+    std::string coordinate;
     int line;
   };
   struct ActuatorEntry
   {
-    std::string name, on, against, coordinate;
-    double offset, torque_limit, rate_limit;
+    Actuator actuator;
+    std::string on, against, coordinate; ///< against: "world" for the world
+    double offset;
     int line;
   };
   struct FootEntry
@@ -144,13 +219,17 @@ struct RobotDescription
   std::string file;
   std::string name, source;
   double gravity;
-  std::array<std::string, 2> base_names;
+  std::array<std::string, 2> base_names{"x", "z"};
   std::vector<LinkEntry> links;
-  std::vector<ActuatorEntry> actuators; ///< if empty: one for each revolute joint, turning the child against its parent
-  std::vector<FootEntry> feet;
+  std::vector<ActuatorEntry>
+      actuators;               ///< if empty: one for each joint that moves, turning the child against its parent
+  std::vector<FootEntry> feet; ///< two; one, on the root, if that is fixed; or none, for a mechanism as such
 };
 
 /// Builds a robot. Throws FileError (strict_toml.h) with file, line and what would be right.
+///
+/// Its leg length is the distance from the base point to the ankle of the straight robot (all angles 0), the longer
+/// leg's; with a fixed root, or without feet, the longest way along the links from the base point to a frame.
 Robot assemble(const RobotDescription& description);
 
 /// Reads a robot from TOML text; file is the name used in complaints. Throws FileError.

@@ -36,20 +36,29 @@ RobotDescription::LinkEntry read_link(StrictTable& table, std::array<std::string
   link.name = name(table, "name");
   table.set_context(fmt::format("link '{}'", link.name));
 
-  constexpr JointKind kinds[] = {JointKind::floating, JointKind::revolute, JointKind::fixed};
-  link.joint = kinds[table.choice("joint", {"floating", "revolute", "fixed"})];
+  if (link.name == kWorld)
+    table.fail("name", "found \"world\"; that is what a fixed root stands on, and no link");
+  std::vector<std::string_view> kinds;
+  for (const JointKind kind : kJointKinds)
+    kinds.push_back(name_of(kind));
+  link.joint = kJointKinds[static_cast<std::size_t>(table.choice("joint", kinds))];
+
   if (link.joint == JointKind::floating)
-  {
     base_names = table.two_texts("base", base_names);
-  }
   else
-  {
     entry.parent = name(table, "parent");
+  if (link.joint != JointKind::floating && entry.parent != kWorld)
+  {
     link.at = table.vector("at");
+    if (link.joint == JointKind::fixed || link.joint == JointKind::parallel || link.joint == JointKind::rolling)
+      link.angle = table.number("angle", 0.0);
   }
-  if (link.joint == JointKind::fixed)
-    link.angle = table.number("angle", 0.0);
-  else
+  if (link.joint == JointKind::rolling)
+  {
+    link.parent_radius = table.magnitude("parent_radius");
+    link.child_radius = table.magnitude("child_radius");
+  }
+  if (link.joint != JointKind::fixed && link.joint != JointKind::parallel)
     entry.coordinate = name(table, "coordinate", link.name);
 
   link.mass = table.magnitude("mass");
@@ -72,14 +81,27 @@ RobotDescription::ActuatorEntry read_actuator(StrictTable& table)
 {
   RobotDescription::ActuatorEntry entry;
   entry.line = table.line();
-  entry.name = name(table, "name");
-  table.set_context(fmt::format("actuator '{}'", entry.name));
+  Actuator& actuator = entry.actuator;
+  actuator.name = name(table, "name");
+  table.set_context(fmt::format("actuator '{}'", actuator.name));
   entry.on = name(table, "on");
   entry.against = name(table, "against");
-  entry.coordinate = name(table, "coordinate", entry.name);
+  entry.coordinate = name(table, "coordinate", actuator.name);
   entry.offset = table.number("offset", 0.0);
-  entry.torque_limit = table.magnitude("torque_limit", kNone);
-  entry.rate_limit = table.magnitude("rate_limit", kNone);
+  std::vector<std::string_view> placements;
+  for (const Placement placement : {Placement::links, Placement::bar_parent, Placement::bar_child})
+    placements.push_back(name_of(placement));
+  actuator.placement = static_cast<Placement>(table.choice("between", placements, 0));
+  actuator.torque_limit = table.magnitude("torque_limit", kNone);
+  actuator.rate_limit = table.magnitude("rate_limit", kNone);
+  actuator.rotor_inertia = table.magnitude("rotor_inertia", 0.0);
+  actuator.coulomb = table.magnitude("coulomb", 0.0);
+  actuator.viscous = table.magnitude("viscous", 0.0);
+  actuator.stribeck = table.magnitude("stribeck", 0.0);
+  actuator.stribeck_velocity = table.number("stribeck_velocity", 1.0);
+  if (!(actuator.stribeck_velocity > 0.0))
+    table.fail("stribeck_velocity", fmt::format("found {}; expected a positive number", actuator.stribeck_velocity));
+  actuator.friction_offset = table.number("friction_offset", 0.0);
   table.finish();
   return entry;
 }

@@ -41,7 +41,7 @@ std::int32_t contact_flags(const Robot& robot, const Foot& foot, const FootPose&
     flags |= flag::lifts;
   if (std::abs(wrench.fx) > foot.friction * std::max(wrench.fz, 0.0) + no_load)
     flags |= flag::slips;
-  if (contact == Contact::sole)
+  if (contact == Contact::sole && foot.has_extent())
   {
     const Eigen::Vector2d f = in_foot(pose, wrench);
     const double moment = wrench.moment - foot.ankle_height() * f.x();

@@ -43,8 +43,9 @@ GroundReaction ground_reaction(const Robot& robot, const Foot& foot, const FootP
 /// Whether a foot in contact slips (|fx| > μ fz), lifts (fz < 0) or tips: flag bits.
 ///
 /// A sole tips when the moment about the line of the sole is more than the pressure from heel to toe can give:
-/// M − h_p f_x' must lie between x_heel f_z' and x_toe f_z', in the foot's frame; so a moment without load tips, too.
-/// Slack, for rounding: kNoLoad × weight on forces, and that × the sole's length on the moment.
+/// M − h_p f_x' must lie between x_heel f_z' and x_toe f_z', in the foot's frame; so a moment without load tips, too. A
+/// fixed root without extent does not tip. Slack, for rounding: kNoLoad × weight on forces, and that × the sole's
+/// length on the moment.
 std::int32_t contact_flags(const Robot& robot, const Foot& foot, const FootPose& pose, Contact contact,
                            const Wrench& wrench);
 

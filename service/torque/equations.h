@@ -3,24 +3,17 @@
 ///   M(q) a + h(q, v) + g(q) = B τ + J(q)ᵀ w                 (1)    τ: motors; w: ground on robot
 ///   G w = d,   G = N_Bᵀ Jᵀ,   d = N_Bᵀ r                    (2)    the rows without motors
 ///   τ = B⁺ (r − Jᵀ w)                                       (3)    the rows with motors
-///   r = M a + h + g
+///   r = M a + h + g + B τ_f                                        τ_f: what rotors and friction take
 ///
 /// N_B spans the null space of Bᵀ: the base point's x and z, and the turn of the whole robot about its base point. So
 /// the three rows of (2) are Newton's and Euler's equations of the whole robot, moments about the base point, and d
 /// depends on the motion alone. Every method of double support is a rule for choosing w among the solutions of (2).
 #pragma once
 
-#include "planar/dynamics.h"
-#include "torque/desired_state.h"
-#include "torque/refusal.h"
+#include "torque/contacts.h"
 
 namespace torqued
 {
-
-/// Contact wrenches of both feet, in the order of the rows of J: the left foot's, then the right foot's; each
-/// (fx, fz) at the heel or toe, or (fx, fz, moment about the ankle) for a sole. Ground on robot, world frame, N and N
-/// m.
-using WrenchVector = BoundedVector<6>;
 
 /// Where a foot is, in the world.
 struct FootPose
@@ -39,11 +32,11 @@ struct FootPose
 struct SupportEquations
 {
   VectorQ r;                    ///< the generalized force that the motion needs
-  Jacobian J;                   ///< wrench_components() × num_coordinates()
+  Jacobian J;                   ///< wrench_components() × num_q()
   Bounded<3, 6> G;              ///< 3 × wrench_components()
   Eigen::Vector3d d;            ///< (F_x, F_z, M about the base point) that the ground must supply, N and N m
   Eigen::Vector2d base;         ///< base point, m
-  std::array<FootPose, 2> feet; ///< indexed by Side
+  std::array<FootPose, 2> feet; ///< indexed by Side; of a foot that the robot has not: the base point
 
   double contact_speed;    ///< largest |J v|: what should be at rest, m/s or rad/s
   double contact_residual; ///< largest |J a + J̇ v|, m/s² or rad/s²
@@ -55,13 +48,7 @@ struct SupportEquations
   double moment_about_origin() const { return d(2) + cross(base, force()); }
 };
 
-/// Builds the equations of a desired state.
-///
-/// Without a given base the resting point stays at its place: a lone foot's ankle (sole), heel or toe; in double
-/// support the ankle of the foot on its sole, or of the trailing foot when both or neither are on their soles (there
-/// its contact point). It is put at x = 0, with the sole or the contact point at z = 0.
-///
-/// Refuses: not_supported, for a foot that has no sole, and for flight without a given base.
+/// Builds the equations of a desired state. Refuses what complete_motion() refuses.
 Result<SupportEquations> support_equations(const Robot& robot, const DesiredState& desired);
 
 } // namespace torqued

@@ -64,11 +64,9 @@ Result<TorqueSolution> solve_torques(const Robot& robot, const SupportEquations&
   TorqueSolution solution;
   solution.method = !choice ? Method::none : method == Method::none ? settings.method : method;
 
-  // τ = B⁺ (r − Jᵀ w); in relative coordinates B is a unit matrix above the root's row
-  const int angles = robot.num_angles();
-  const int joints = robot.num_joints();
+  // τ = B⁺ (r − Jᵀ w)
   const VectorQ rest = equations.r - equations.J.transpose() * w;
-  solution.torque = robot.A_inverse.leftCols(joints).transpose() * rest.head(angles);
+  solution.torque = joint_torques(robot, rest.head(robot.mechanism.num_theta()));
   solution.w = w;
 
   // each foot's wrench about its ankle
@@ -91,7 +89,7 @@ double dynamics_residual(const Robot& robot, const SupportEquations& equations, 
                          const VectorJ& torque)
 {
   VectorQ rest = equations.r - equations.J.transpose() * w;
-  rest.head(robot.num_angles()) -= robot.A.topRows(robot.num_joints()).transpose() * torque;
+  rest.head(robot.mechanism.num_theta()) -= joint_forces(robot, torque);
   return rest.cwiseAbs().maxCoeff();
 }
 

@@ -119,7 +119,7 @@ Sender read_sender(Bytes message)
 
 Result<DesiredState> decode_desired_state(Bytes message, const Robot& robot)
 {
-  const int angles = robot.num_angles();
+  const int angles = robot.num_coordinates();
   const std::size_t expected_size = kFixedSize + 3 * 8 * static_cast<std::size_t>(angles);
 
   // fingerprint, count, size
@@ -178,7 +178,7 @@ Result<DesiredState> decode_desired_state(Bytes message, const Robot& robot)
   const std::array<VectorQ*, 3> motion{&desired.q, &desired.v, &desired.a};
   for (int k = 0; k < 3; ++k)
   {
-    motion[static_cast<std::size_t>(k)]->resize(robot.mechanism.num_coordinates());
+    motion[static_cast<std::size_t>(k)]->setZero(robot.mechanism.num_q());
     for (int i = 0; i < angles; ++i)
     {
       const double number = cursor.real();
@@ -213,9 +213,9 @@ Result<DesiredState> decode_desired_state(Bytes message, const Robot& robot)
   desired.support.leading = static_cast<Side>(leading_foot);
   if (coordinates == desired_state_t::RELATIVE)
   {
-    desired.q.head(angles) -= robot.b;
+    desired.q.head(angles) -= robot.b.head(angles);
     for (VectorQ* vector : motion)
-      vector->head(angles) = (robot.A_inverse * vector->head(angles)).eval();
+      vector->head(angles) = (robot.A_inverse.topLeftCorner(angles, angles) * vector->head(angles)).eval();
   }
   for (int k = 0; k < 3; ++k)
     motion[static_cast<std::size_t>(k)]->tail<2>() << base_motion[static_cast<std::size_t>(2 * k)],
@@ -264,7 +264,7 @@ model_info_t model_info(const Robot& robot, std::int64_t instance_id, std::int64
   {
     return std::vector<double>{r.x(), r.y()};
   };
-  model_info_t info;
+  model_info_t info{};
   info.instance_id = instance_id;
   info.model_id = robot.model_id;
   info.settings_id = settings_id;
@@ -272,15 +272,15 @@ model_info_t model_info(const Robot& robot, std::int64_t instance_id, std::int64
   info.gravity = robot.mechanism.gravity();
   info.total_mass = robot.mechanism.mass();
 
-  info.num_coordinates = robot.num_angles();
+  info.num_coordinates = robot.num_coordinates();
   info.absolute_names = robot.absolute_names;
   info.relative_names = robot.relative_names;
   info.base_names[0] = robot.base_names[0];
   info.base_names[1] = robot.base_names[1];
-  for (int i = 0; i < robot.num_angles(); ++i)
+  for (int i = 0; i < robot.num_coordinates(); ++i)
   {
     info.A.emplace_back();
-    for (int j = 0; j < robot.num_angles(); ++j)
+    for (int j = 0; j < robot.num_coordinates(); ++j)
       info.A.back().push_back(robot.A(i, j));
     info.b.push_back(robot.b(i));
   }
@@ -301,9 +301,9 @@ model_info_t model_info(const Robot& robot, std::int64_t instance_id, std::int64
     info.joint_kinds.push_back(static_cast<std::int8_t>(link.joint));
     info.joint_positions.push_back(pair(link.at));
     info.joint_angles.push_back(link.angle);
-    info.parent_radii.push_back(0.0);
-    info.child_radii.push_back(0.0);
-    info.link_coordinates.push_back(link.coordinate);
+    info.parent_radii.push_back(link.parent_radius);
+    info.child_radii.push_back(link.child_radius);
+    info.link_coordinates.push_back(link.coordinate < robot.num_coordinates() ? link.coordinate : -1);
     for (const Segment& segment : link.drawing)
     {
       info.segment_links.push_back(static_cast<std::int32_t>(&link - robot.links.data()));
@@ -314,9 +314,11 @@ model_info_t model_info(const Robot& robot, std::int64_t instance_id, std::int64
   }
   info.num_segments = static_cast<std::int32_t>(info.segment_links.size());
 
-  info.num_feet = static_cast<std::int32_t>(robot.feet.size());
   for (const Foot& foot : robot.feet)
   {
+    if (!foot.exists())
+      continue;
+    ++info.num_feet;
     info.foot_sides.push_back(static_cast<std::int8_t>(foot.side));
     info.foot_links.push_back(foot.link);
     info.foot_ankles.push_back(pair(foot.ankle_at));

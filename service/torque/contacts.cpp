@@ -1,0 +1,117 @@
+#include "torque/contacts.h"
+
+#include <cmath>
+
+namespace torqued
+{
+
+namespace
+{
+
+// the foot whose contact point rests and so places the base
+Side resting_side(const Robot& robot, const Support& support)
+{
+  for (const Side side : kSides)
+    if (robot.is_root(robot.foot(side)) || support.of(other(side)) == Contact::none)
+      return side;
+  const bool left_sole = support.of(Side::left) == Contact::sole;
+  const bool right_sole = support.of(Side::right) == Contact::sole;
+  return left_sole == right_sole ? support.trailing() : left_sole ? Side::left : Side::right;
+}
+
+} // namespace
+
+const Point& contact_point(const Foot& foot, Contact contact)
+{
+  return contact == Contact::heel ? foot.heel : contact == Contact::toe ? foot.toe : foot.ankle;
+}
+
+Eigen::Vector2d heading(const Link& link, const Kinematics& now)
+{
+  return rotate({std::cos(link.direction_angle), std::sin(link.direction_angle)}, now.e.col(link.direction));
+}
+
+std::optional<Refusal> check_contacts(const Robot& robot, const Support& support)
+{
+  for (const Side side : kSides)
+  {
+    const Foot& foot = robot.foot(side);
+    const Contact contact = support.of(side);
+    const int number = static_cast<int>(contact);
+    if (robot.is_root(foot) && contact != Contact::sole)
+      return Refusal(Reason::not_supported,
+                     "{}_contact is {}, but the {} foot is fixed to the world: it stands as SOLE (2)", name_of(side),
+                     number, name_of(side));
+    if (contact != Contact::none && !foot.exists())
+      return Refusal(Reason::not_supported, "{}_contact is {}, but {} has no foot there: it is NONE (0)", name_of(side),
+                     number, robot.name);
+    if (contact == Contact::sole && !foot.has_extent() && !robot.is_root(foot))
+      return Refusal(Reason::not_supported,
+                     "{}_contact is SOLE (2), but the {} foot has no extent: it can stand as HEEL (1)", name_of(side),
+                     name_of(side));
+  }
+  return {};
+}
+
+ContactRows contact_rows(const Robot& robot, const Kinematics& now, const Support& support)
+{
+  const Mechanism& mechanism = robot.mechanism;
+  ContactRows rows{Jacobian(support.wrench_components(), mechanism.num_q()),
+                   WrenchVector::Zero(support.wrench_components())};
+  int row = 0;
+  for (const Side side : kSides)
+  {
+    const Foot& foot = robot.foot(side);
+    const Contact contact = support.of(side);
+    if (contact == Contact::none)
+      continue;
+    point_jacobian(mechanism, now, contact_point(foot, contact), row, rows.J);
+    rows.Jdot_v.segment<2>(row) = jacobian_rate_times_v(now, contact_point(foot, contact));
+    if (contact == Contact::sole)
+    {
+      rows.J.row(row + 2).setZero();
+      rows.J.row(row + 2).head(mechanism.num_theta()) = mechanism.W().row(robot.link(foot.link).direction);
+    }
+    row += wrench_components(contact);
+  }
+  return rows;
+}
+
+Result<Motion> complete_motion(const Robot& robot, const DesiredState& desired)
+{
+  const Support& support = desired.support;
+  if (const auto refusal = check_contacts(robot, support))
+    return *refusal;
+  if (desired.base_given && robot.fixed_root())
+    return Refusal(Reason::not_supported,
+                   "base is GIVEN (1), but the root of {} is fixed to the world: it is FROM_CONTACT (0)", robot.name);
+  if (!desired.base_given && support.wrench_components() == 0)
+    return Refusal(Reason::not_supported,
+                   "base is FROM_CONTACT (0), but neither foot has contact: in flight the base must "
+                   "be GIVEN (1)");
+
+  const Mechanism& mechanism = robot.mechanism;
+  Motion motion{kinematics(mechanism, desired.q, desired.v), desired.v, desired.a};
+  if (desired.base_given)
+    return motion;
+
+  // the resting point at x = 0, the point of the sole below the ankle, or the contact point, at z = 0
+  const Side side = resting_side(robot, support);
+  const Foot& foot = robot.foot(side);
+  const Contact contact = support.of(side);
+  const Point& point = contact_point(foot, contact);
+  Kinematics& now = motion.now;
+  now.base = -from_base(now, point);
+  if (contact == Contact::sole)
+    now.base.y() += foot.ankle_height() * heading(robot.link(foot.link), now).x();
+
+  // 0 = J v and 0 = J a + J̇ v at the resting point
+  Jacobian J(2, mechanism.num_q());
+  point_jacobian(mechanism, now, point, 0, J);
+  const int size = mechanism.num_theta();
+  motion.v.tail<2>() = -J.leftCols(size) * motion.v.head(size);
+  motion.a.tail<2>() = -J.leftCols(size) * motion.a.head(size) - jacobian_rate_times_v(now, point);
+  return motion;
+}
+
+} // namespace torqued

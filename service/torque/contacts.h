@@ -1,0 +1,55 @@
+/// The points on which a robot stands, and how they tie a motion to the ground.
+#pragma once
+
+#include "torque/desired_state.h"
+#include "torque/refusal.h"
+
+#include "planar/kinematics.h"
+
+#include <optional>
+
+namespace torqued
+{
+
+/// Contact wrenches of both feet, in the order of the rows of J: the left foot's, then the right foot's; each
+/// (fx, fz) at the heel or toe, or (fx, fz, moment about the ankle) for a sole. Ground on robot, world frame, N and N
+/// m.
+using WrenchVector = BoundedVector<6>;
+
+/// Where a contact's force acts: heel or toe; the ankle for a sole.
+const Point& contact_point(const Foot& foot, Contact contact);
+
+/// (cos, sin) of a link's angle against the world.
+Eigen::Vector2d heading(const Link& link, const Kinematics& now);
+
+/// Whether the robot can stand like that. Refuses, not_supported: a contact of a foot that the robot has not; a sole
+/// where a foot has no extent, unless it is the fixed root; anything but the sole of a fixed root.
+std::optional<Refusal> check_contacts(const Robot& robot, const Support& support);
+
+/// What the contacts ask of a motion: J v = 0 and J a + J̇ v = 0.
+struct ContactRows
+{
+  Jacobian J;          ///< wrench_components() × num_q(): rows x and z of a contact point, and a sole's angle
+  WrenchVector Jdot_v; ///< m/s², rad/s²
+};
+
+/// Requires: check_contacts().
+ContactRows contact_rows(const Robot& robot, const Kinematics& now, const Support& support);
+
+/// A desired state whose base is known.
+struct Motion
+{
+  Kinematics now;
+  VectorQ v, a; ///< length num_q()
+};
+
+/// Completes a desired state.
+///
+/// Without a given base the resting point stays at its place: that of a fixed root; a lone foot's ankle (sole), heel or
+/// toe; in double support the ankle of the foot on its sole, or of the trailing foot when both or neither are on their
+/// soles (there its contact point). It is put at x = 0, with the sole or the contact point at z = 0.
+///
+/// Refuses, not_supported: what check_contacts() does; flight without a given base; a given base of a fixed root.
+Result<Motion> complete_motion(const Robot& robot, const DesiredState& desired);
+
+} // namespace torqued
