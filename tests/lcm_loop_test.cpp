@@ -20,7 +20,8 @@ public:
   explicit Bench(const Config& config = {})
       : channels_(config.prefix), log_("test"), loop_(bus_, robot_, config, log_, [] { return std::int64_t{5}; })
   {
-    for (const std::string& channel : {channels_.command, channels_.rejected, channels_.status, channels_.model})
+    for (const std::string& channel :
+         {channels_.command, channels_.rejected, channels_.status, channels_.model, channels_.dynamics})
       bus_.subscribeFunction(channel, &Bench::hear, this);
     bus_.subscribeFunction("SLEEP", &Bench::sleep, this);
     loop_.listen();
@@ -48,6 +49,18 @@ public:
   }
   void send(Bytes bytes) { bus_.publish(channels_.desired, bytes.data(), static_cast<unsigned>(bytes.size())); }
 
+  void ask(std::int64_t request_id, std::int32_t num_coordinates = 7)
+  {
+    dynamics_request_t request{};
+    request.request_id = request_id;
+    request.num_coordinates = num_coordinates;
+    request.q.resize(static_cast<std::size_t>(num_coordinates));
+    request.v = request.a = request.q;
+    std::vector<std::byte> buffer;
+    const Bytes bytes = encode(request, buffer);
+    bus_.publish(channels_.dynamics_request, bytes.data(), static_cast<unsigned>(bytes.size()));
+  }
+
   // the process stands still for this long (µs) while the loop deals with its messages
   void send_sleep(int us) { bus_.publish("SLEEP", &us, sizeof us); }
 
@@ -64,6 +77,7 @@ public:
   std::vector<rejection_t> rejections;
   std::vector<status_t> statuses;
   std::vector<model_info_t> models;
+  std::vector<dynamics_t> dynamics;
 
 private:
   static void sleep(const lcm::ReceiveBuffer* buffer, const std::string&, Bench*)
@@ -90,8 +104,10 @@ private:
       add(rejections);
     else if (channel == channels_.status)
       add(statuses);
-    else
+    else if (channel == channels_.model)
       add(models);
+    else
+      add(dynamics);
   }
 
   Channels channels_;
@@ -318,4 +334,39 @@ TEST_CASE("the status tells latency, silence and whose status it is", "[lcm_loop
   }
   CHECK(bench.statuses.back().state == status_t::STALE);
   CHECK(bench.statuses.back().latency_us_max == 0.0);
+}
+
+TEST_CASE("each request for the equation of motion has its answer, and none delays a desired state", "[lcm_loop]")
+{
+  Bench bench;
+  bench.ask(1);
+  bench.ask(2, 8);
+  bench.ask(3, 300); // too long for any request of this robot
+  bench.settle();
+  bench.settle();
+  REQUIRE(bench.dynamics.size() == 3);
+  for (const dynamics_t& reply : bench.dynamics)
+    CHECK((reply.error == "") == (reply.request_id == 1));
+
+  // a hundred at once: the desired state among them is answered with the first, sixteen wait, the others are told so
+  bench.dynamics.clear();
+  for (int i = 0; i < 50; ++i)
+    bench.ask(100 + i);
+  bench.send(bench.standing(1000));
+  for (int i = 50; i < 100; ++i)
+    bench.ask(100 + i);
+  bench.settle();
+  CHECK(utimes(bench.commands) == std::vector<std::int64_t>{1000});
+  std::size_t answered = 0, refused = 0;
+  for (int i = 0; i < 20; ++i)
+    bench.settle();
+  for (const dynamics_t& reply : bench.dynamics)
+    (reply.error.empty() ? answered : refused) += 1;
+  CHECK(answered == 16);
+  CHECK(answered + refused == 100);
+
+  // requests are no desired states
+  usleep(110'000);
+  bench.settle();
+  CHECK(bench.statuses.back().received == 1);
 }

@@ -1,6 +1,8 @@
 #include "catch.h"
 
 #include <torqued/desired_state_t.hpp>
+#include <torqued/dynamics_request_t.hpp>
+#include <torqued/dynamics_t.hpp>
 #include <torqued/ground_reaction_t.hpp>
 #include <torqued/model_info_t.hpp>
 #include <torqued/rejection_t.hpp>
@@ -20,6 +22,8 @@ TEST_CASE("the fingerprints are those that clients, logs and other languages kno
   CHECK(fingerprint(ground_reaction_t::getHash()) == 0xa564d025f3c20169ULL);
   CHECK(fingerprint(rejection_t::getHash()) == 0x5cf405f930c78269ULL);
   CHECK(fingerprint(status_t::getHash()) == 0x4bdd1b87b2ae75dcULL);
+  CHECK(fingerprint(dynamics_request_t::getHash()) == 0x31728d27123ab996ULL);
+  CHECK(fingerprint(dynamics_t::getHash()) == 0x08ae4d0fafcac5d1ULL);
   CHECK(fingerprint(model_info_t::getHash()) == 0x4fbb0390edbabac1ULL);
 }
 
@@ -33,6 +37,9 @@ TEST_CASE("the constants are those that clients, logs and other languages know",
   CHECK(std::vector<int>{D::DEFAULT, D::PSEUDO_INVERSE, D::LINEAR_TRANSITION, D::INTERNAL_WRENCH, D::TORSO_WRENCH,
                          D::TRACKED_REACTION, D::TRACKED_INTERNAL, D::CONSTRAINED, D::ZMP_TRANSITION,
                          D::HUMAN_TRANSITION} == std::vector<int>{0, 1, 2, 3, 4, 5, 6, 7, 8, 9});
+  using Q = dynamics_request_t;
+  CHECK(std::vector<int>{Q::ABSOLUTE, Q::RELATIVE} == std::vector<int>{0, 1});
+  CHECK(std::vector<int>{Q::NONE, Q::HEEL, Q::SOLE, Q::TOE} == std::vector<int>{0, 1, 2, 3});
   using C = torque_command_t;
   CHECK(std::vector<int>{C::SLIPS, C::LIFTS, C::TIPS, C::OVER_TORQUE, C::CLAMPED, C::RELAXED, C::INCONSISTENT, C::LATE,
                          C::OVER_RATE, C::PROJECTED} == std::vector<int>{1, 2, 4, 8, 16, 32, 64, 128, 256, 512});

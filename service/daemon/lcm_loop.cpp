@@ -23,6 +23,8 @@ constexpr std::int64_t kBusProof = 1'000'000;    // µs
 // Messages that LCM keeps for us, because a full queue would drop the newest; and the most that one cycle deals with:
 // all that waited when it began, and yet a flood cannot keep the newest from its answer.
 constexpr int kQueue = 10'000;
+// Requests for the equation of motion that may wait: one is answered per cycle, after the desired states.
+constexpr std::size_t kRequests = 16;
 
 std::int64_t nanoseconds(clockid_t clock)
 {
@@ -52,8 +54,8 @@ Bytes bytes_of(const lcm::ReceiveBuffer& buffer)
 LcmLoop::LcmLoop(lcm::LCM& bus, const Robot& robot, const Config& config, spdlog::logger& log,
                  std::function<std::int64_t()> dropped_logs)
     : bus_(bus), robot_(robot), config_(config), log_(log), dropped_logs_(std::move(dropped_logs)),
-      channels_(config.prefix), gate_(config.max_age), command_(), rejection_(), status_(), start_(monotonic_us()),
-      last_awake_(start_)
+      channels_(config.prefix), parameters_(base_parameters(robot)), gate_(config.max_age), command_(), rejection_(),
+      status_(), dynamics_(), start_(monotonic_us()), last_awake_(start_)
 {
   const std::int64_t id = settings_id(config_.answers);
   status_.instance_id = random_id();
@@ -73,6 +75,7 @@ void LcmLoop::listen()
 {
   subscriptions_.push_back(bus_.subscribeFunction(channels_.desired, &LcmLoop::hear_desired, this));
   subscriptions_.back()->setQueueCapacity(kQueue);
+  subscriptions_.push_back(bus_.subscribeFunction(channels_.dynamics_request, &LcmLoop::hear_request, this));
   last_awake_ = monotonic_us();
 }
 
@@ -105,7 +108,8 @@ bool LcmLoop::cycle(double timeout, int stop_fd)
   const std::int64_t before = monotonic_us();
   notice_own_stall(before);
   const double until_status = 1e-6 * static_cast<double>(std::max<std::int64_t>(next_status_ - before, 0));
-  const int wait_ms = static_cast<int>(std::ceil(1e3 * std::min({timeout, config_.max_age, until_status})));
+  const double wait = requests_.empty() ? std::min({timeout, config_.max_age, until_status}) : 0.0;
+  const int wait_ms = static_cast<int>(std::ceil(1e3 * wait));
   std::array<pollfd, 2> fds{{{bus_.getFileno(), POLLIN, 0}, {stop_fd, POLLIN, 0}}};
   poll(fds.data(), fds.size(), wait_ms);
   notice_own_stall(monotonic_us(), std::int64_t{1000} * wait_ms);
@@ -114,6 +118,7 @@ bool LcmLoop::cycle(double timeout, int stop_fd)
   {
   }
   answer_pending();
+  answer_oldest_request();
   publish_status_and_model_when_due();
   return (fds[1].revents & POLLIN) != 0;
 }
@@ -138,6 +143,17 @@ try
 catch (const std::exception& error)
 {
   loop->log_.critical("a desired state was lost: {}", error.what());
+}
+
+void LcmLoop::hear_request(const lcm::ReceiveBuffer* buffer, const std::string& channel, LcmLoop* loop) noexcept
+try
+{
+  if (channel == loop->channels_.dynamics_request)
+    loop->on_request(bytes_of(*buffer));
+}
+catch (const std::exception& error)
+{
+  loop->log_.critical("a request was lost: {}", error.what());
 }
 
 void LcmLoop::hear_status(const lcm::ReceiveBuffer* buffer, const std::string&, LcmLoop* loop) noexcept
@@ -226,6 +242,32 @@ void LcmLoop::reject(const Sender& sender, const Refusal& refusal)
     next_log = now + 1'000'000;
     log_.warn("rejected: {}: {} ({} rejected so far)", name_of(refusal.reason()), refusal.detail(), status_.rejected);
   }
+}
+
+// A request waits until no desired state does. What is too long to be one for this robot, or one too many, is refused
+// at once, so that what waits stays small.
+void LcmLoop::on_request(Bytes message)
+{
+  if (message.size() <= dynamics_request_size(robot_) && requests_.size() < kRequests)
+  {
+    requests_.emplace_back(message.begin(), message.end());
+    return;
+  }
+  if (requests_.size() >= kRequests)
+    refuse(dynamics_, robot_, read_request_id(message),
+           "too many requests are waiting; ask again when one is answered");
+  else
+    answer_dynamics(robot_, parameters_, message, dynamics_);
+  publish(channels_.dynamics, dynamics_);
+}
+
+void LcmLoop::answer_oldest_request()
+{
+  if (requests_.empty())
+    return;
+  answer_dynamics(robot_, parameters_, requests_.front(), dynamics_);
+  requests_.pop_front();
+  publish(channels_.dynamics, dynamics_);
 }
 
 void LcmLoop::on_status(Bytes message)

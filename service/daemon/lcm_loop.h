@@ -1,6 +1,7 @@
 /// The daemon's loop: carries bytes from the bus to the line of answer.h, and its answers back.
 #pragma once
 
+#include "daemon/answer_dynamics.h"
 #include "daemon/config.h"
 #include "daemon/latency.h"
 #include "daemon/stream_gate.h"
@@ -9,6 +10,7 @@
 
 #include <array>
 #include <cstdint>
+#include <deque>
 #include <functional>
 #include <memory>
 #include <optional>
@@ -23,8 +25,9 @@ class logger;
 namespace torqued
 {
 
-/// Hears desired states and publishes a command or a rejection for each, a status ten times a second, and the model
-/// every two seconds. One thread; nothing a message holds can make it throw or stop.
+/// Hears desired states and publishes a command or a rejection for each, answers requests for the equation of motion,
+/// and publishes a status ten times a second and the model every two seconds. One thread; nothing a message holds can
+/// make it throw or stop.
 class LcmLoop
 {
 public:
@@ -54,11 +57,15 @@ private:
   static void hear_desired(const lcm::ReceiveBuffer* buffer, const std::string& channel, LcmLoop* loop) noexcept;
   static void hear_status(const lcm::ReceiveBuffer* buffer, const std::string& channel, LcmLoop* loop) noexcept;
 
+  static void hear_request(const lcm::ReceiveBuffer* buffer, const std::string& channel, LcmLoop* loop) noexcept;
+
   void on_desired(Bytes message);
+  void on_request(Bytes message);
   void on_status(Bytes message);
 
   void answer_sample(const DesiredState& desired, std::int64_t arrival);
   void answer_pending();
+  void answer_oldest_request();
   void reject(const Sender& sender, const Refusal& refusal);
   void publish_status(std::int8_t state);
   void publish_status_and_model_when_due();
@@ -73,17 +80,20 @@ private:
   spdlog::logger& log_;
   const std::function<std::int64_t()> dropped_logs_;
   const Channels channels_;
+  const std::vector<BaseParameter> parameters_;
   std::vector<lcm::Subscription*> subscriptions_;
 
   StreamGate gate_;
   StreamMemory memory_;
   std::optional<DesiredState> pending_; // newest wins: the newest checked sample that waits for its answer
   std::int64_t pending_arrival_ = 0;
+  std::deque<std::vector<std::byte>> requests_; // for the equation of motion, the oldest first
 
   torque_command_t command_;
   rejection_t rejection_;
   status_t status_;
   model_info_t model_;
+  dynamics_t dynamics_;
   std::vector<std::byte> buffer_;
 
   Latencies latencies_;

@@ -154,29 +154,33 @@ std::vector<BaseParameter> base_parameters(const Robot& robot)
   const std::vector<BaseParameter> standard = standard_parameters(robot);
   const Eigen::MatrixXd Y = stacked_regressor(robot, standard);
 
-  // keep each column that those kept before do not give, and add the others to those that give them
+  // keep each column that those kept before do not give (Gram and Schmidt, twice for rounding's sake), and add the
+  // others to those that give them
   constexpr double rounding = 1e-9;
   std::vector<BaseParameter> parameters;
-  Eigen::MatrixXd kept(Y.rows(), 0);
   std::vector<std::size_t> left_out;
+  Eigen::MatrixXd kept(Y.rows(), Y.cols()), basis(Y.rows(), Y.cols());
+  Eigen::Index rank = 0;
   for (std::size_t i = 0; i < standard.size(); ++i)
   {
     const Eigen::VectorXd column = Y.col(static_cast<Eigen::Index>(i));
     Eigen::VectorXd rest = column;
-    if (kept.cols() > 0)
-      rest -= kept * kept.householderQr().solve(column);
-    if (rest.norm() <= rounding * Y.norm() || rest.norm() <= 1e-8 * column.norm())
+    for (int pass = 0; pass < 2; ++pass)
+      rest -= basis.leftCols(rank) * (basis.leftCols(rank).transpose() * rest);
+    if (rest.norm() <= rounding * column.norm() || column.norm() <= rounding * Y.norm())
     {
       left_out.push_back(i);
       continue;
     }
-    kept.conservativeResize(Eigen::NoChange, kept.cols() + 1);
-    kept.rightCols<1>() = column;
+    basis.col(rank) = rest.normalized();
+    kept.col(rank) = column;
+    ++rank;
     parameters.push_back(standard[i]);
   }
+  const Eigen::HouseholderQR<Eigen::MatrixXd> qr(kept.leftCols(rank));
   for (const std::size_t i : left_out)
   {
-    const Eigen::VectorXd share = kept.householderQr().solve(Y.col(static_cast<Eigen::Index>(i)));
+    const Eigen::VectorXd share = qr.solve(Y.col(static_cast<Eigen::Index>(i)));
     for (std::size_t k = 0; k < parameters.size(); ++k)
       if (const double factor = share(static_cast<Eigen::Index>(k)); std::abs(factor) > rounding)
       {

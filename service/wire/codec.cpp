@@ -1,9 +1,8 @@
 #include "wire/codec.h"
 
-#include "wire/finite.h"
+#include "wire/cursor.h"
 
 #include <array>
-#include <bit>
 #include <optional>
 
 namespace torqued
@@ -12,90 +11,8 @@ namespace torqued
 namespace
 {
 
-// Walks over a message in network byte order without ever leaving it; once it would, ok() is false and stays so.
-class Cursor
-{
-public:
-  explicit Cursor(Bytes bytes) : bytes_(bytes) {}
-
-  void skip(std::size_t count)
-  {
-    ok_ = ok_ && count <= bytes_.size() - at_;
-    if (ok_)
-      at_ += count;
-  }
-  std::uint64_t unsigned_integer(std::size_t width)
-  {
-    const std::size_t start = at_;
-    skip(width);
-    std::uint64_t value = 0;
-    for (std::size_t i = 0; ok_ && i < width; ++i)
-      value = value << 8 | std::to_integer<std::uint64_t>(bytes_[start + i]);
-    return value;
-  }
-  std::int64_t int64() { return static_cast<std::int64_t>(unsigned_integer(8)); }
-  std::int32_t int32() { return static_cast<std::int32_t>(unsigned_integer(4)); }
-  int int8() { return static_cast<std::int8_t>(unsigned_integer(1)); }
-  double real() { return std::bit_cast<double>(unsigned_integer(8)); }
-  // a count of array members; more than any message of ours has is as wrong as a negative one
-  std::size_t count()
-  {
-    const std::int32_t value = int32();
-    constexpr std::int32_t most = 1 << 16;
-    ok_ = ok_ && value >= 0 && value <= most;
-    return ok_ ? static_cast<std::size_t>(value) : 0;
-  }
-  void skip_text()
-  {
-    const std::size_t start = at_;
-    const std::uint64_t length = unsigned_integer(4);
-    ok_ = ok_ && length >= 1 && length <= bytes_.size() - at_ && bytes_[at_ + length - 1] == std::byte{0};
-    skip(ok_ ? length : bytes_.size() - start + 1);
-  }
-  void skip_texts(std::size_t count)
-  {
-    for (std::size_t i = 0; ok_ && i < count; ++i)
-      skip_text();
-  }
-
-  bool ok() const { return ok_; }
-  bool at_end() const { return ok_ && at_ == bytes_.size(); }
-
-private:
-  Bytes bytes_;
-  std::size_t at_ = 0;
-  bool ok_ = true;
-};
-
 // desired_state_t up to and including num_coordinates: fingerprint, 3 int64, 6 int8, 2 + 6 double, 1 int32
 constexpr std::size_t kFixedSize = 8 + 3 * 8 + 6 + 8 * 8 + 4;
-
-template <typename Message> bool decode_checked(Bytes bytes, const Cursor& walked, Message& message)
-{
-  if (!walked.at_end())
-    return false;
-  Message decoded;
-  if (decoded.decode(bytes.data(), 0, static_cast<int>(bytes.size())) != static_cast<int>(bytes.size()))
-    return false;
-  message = std::move(decoded);
-  return true;
-}
-
-template <typename Message> Cursor after_fingerprint(Bytes bytes)
-{
-  Cursor cursor(bytes);
-  if (cursor.int64() != Message::getHash())
-    cursor.skip(bytes.size() + 1);
-  return cursor;
-}
-
-// a field that numbers its choices from 0
-std::optional<Refusal> check_choice(std::string_view field, int value, int last, std::string_view choices)
-{
-  if (value < 0 || value > last)
-    return Refusal(Reason::out_of_range, "{} is {}; expected {}", field, value, choices);
-  return {};
-}
 
 std::optional<Refusal> check_share(std::string_view field, double value)
 {
@@ -158,14 +75,6 @@ Result<DesiredState> decode_desired_state(Bytes message, const Robot& robot)
                    robot.name);
 
   // every number finite, whether it is used or not
-  const auto check_finite = [](std::string_view field, int index, double value) -> std::optional<Refusal>
-  {
-    if (is_finite(value))
-      return {};
-    if (index < 0)
-      return Refusal(Reason::not_finite, "{} is {}; expected a finite number", field, value);
-    return Refusal(Reason::not_finite, "{}[{}] is {}; expected a finite number", field, index, value);
-  };
   if (auto refusal = check_finite("load_transfer", -1, desired.support.load_transfer))
     return *refusal;
   if (auto refusal = check_finite("phase", -1, desired.support.phase))
@@ -174,29 +83,15 @@ Result<DesiredState> decode_desired_state(Bytes message, const Robot& robot)
   for (int i = 0; i < 6; ++i)
     if (auto refusal = check_finite(base_fields[i / 2], i % 2, base_motion[static_cast<std::size_t>(i)]))
       return *refusal;
-  constexpr std::string_view fields[] = {"q", "v", "a"};
-  const std::array<VectorQ*, 3> motion{&desired.q, &desired.v, &desired.a};
-  for (int k = 0; k < 3; ++k)
-  {
-    motion[static_cast<std::size_t>(k)]->setZero(robot.mechanism.num_q());
-    for (int i = 0; i < angles; ++i)
-    {
-      const double number = cursor.real();
-      if (auto refusal = check_finite(fields[k], i, number))
-        return *refusal;
-      (*motion[static_cast<std::size_t>(k)])(i) = number;
-    }
-  }
+  if (auto refusal = read_motion(cursor, robot, desired))
+    return *refusal;
 
   // every field in its range
-  if (auto refusal = check_choice("coordinates", coordinates, 1, "ABSOLUTE (0) or RELATIVE (1)"))
+  if (auto refusal = check_choice("coordinates", coordinates, 1, kCoordinatesChoices))
     return *refusal;
   if (auto refusal = check_choice("base", base, 1, "FROM_CONTACT (0) or GIVEN (1)"))
     return *refusal;
-  constexpr std::string_view contacts = "NONE (0), HEEL (1), SOLE (2) or TOE (3)";
-  if (auto refusal = check_choice("left_contact", left_contact, 3, contacts))
-    return *refusal;
-  if (auto refusal = check_choice("right_contact", right_contact, 3, contacts))
+  if (auto refusal = check_contact_fields(left_contact, right_contact))
     return *refusal;
   if (auto refusal = check_choice("leading_foot", leading_foot, 1, "LEFT (0) or RIGHT (1)"))
     return *refusal;
@@ -212,14 +107,10 @@ Result<DesiredState> decode_desired_state(Bytes message, const Robot& robot)
   desired.support.contact = {static_cast<Contact>(left_contact), static_cast<Contact>(right_contact)};
   desired.support.leading = static_cast<Side>(leading_foot);
   if (coordinates == desired_state_t::RELATIVE)
-  {
-    desired.q.head(angles) -= robot.b.head(angles);
-    for (VectorQ* vector : motion)
-      vector->head(angles) = (robot.A_inverse.topLeftCorner(angles, angles) * vector->head(angles)).eval();
-  }
-  for (int k = 0; k < 3; ++k)
-    motion[static_cast<std::size_t>(k)]->tail<2>() << base_motion[static_cast<std::size_t>(2 * k)],
-        base_motion[static_cast<std::size_t>(2 * k + 1)];
+    make_absolute(robot, desired);
+  desired.q.tail<2>() << base_motion[0], base_motion[1];
+  desired.v.tail<2>() << base_motion[2], base_motion[3];
+  desired.a.tail<2>() << base_motion[4], base_motion[5];
   return desired;
 }
 

@@ -27,10 +27,11 @@ struct Channels
 {
   explicit Channels(const std::string& prefix = "")
       : desired(prefix + "TORQUED_DESIRED"), command(prefix + "TORQUED_COMMAND"), rejected(prefix + "TORQUED_REJECTED"),
-        status(prefix + "TORQUED_STATUS"), model(prefix + "TORQUED_MODEL")
+        status(prefix + "TORQUED_STATUS"), model(prefix + "TORQUED_MODEL"),
+        dynamics_request(prefix + "TORQUED_DYNAMICS_REQUEST"), dynamics(prefix + "TORQUED_DYNAMICS")
   {
   }
-  std::string desired, command, rejected, status, model;
+  std::string desired, command, rejected, status, model, dynamics_request, dynamics;
 };
 
 /// Who sent a desired state and when, as far as it can be read: 0 where it cannot.

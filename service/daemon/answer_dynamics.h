@@ -1,0 +1,23 @@
+/// The daemon's second line: from a question for the equation of motion to its answer.
+#pragma once
+
+#include "torque/regressor.h"
+#include "wire/dynamics_codec.h"
+
+namespace torqued
+{
+
+/// Answers a request; whatever its bytes, there is an answer, if need be with a sentence in `error`.
+///
+/// parameters: base_parameters(robot). Keeps the memory that `reply` has for the next answer.
+void answer_dynamics(const Robot& robot, const std::vector<BaseParameter>& parameters, Bytes request,
+                     dynamics_t& reply);
+
+/// Refuses a request; error: one line, what was wrong and what would be right.
+void refuse(dynamics_t& reply, const Robot& robot, std::int64_t request_id, std::string_view error);
+
+/// Describes a motion: all but request_id, error empty. parameters: empty if Y is not wanted.
+void fill(dynamics_t& reply, const Robot& robot, const std::vector<BaseParameter>& parameters, const Motion& motion,
+          const Support& support, Coordinates coordinates);
+
+} // namespace torqued

@@ -1,0 +1,147 @@
+/// What checks of incoming messages have in common.
+#pragma once
+
+#include "torque/desired_state.h"
+#include "torque/refusal.h"
+#include "wire/codec.h"
+#include "wire/finite.h"
+
+#include <bit>
+#include <optional>
+
+namespace torqued
+{
+
+/// Walks over a message in network byte order without ever leaving it; once it would, ok() is false and stays so.
+class Cursor
+{
+public:
+  explicit Cursor(Bytes bytes) : bytes_(bytes) {}
+
+  void skip(std::size_t count)
+  {
+    ok_ = ok_ && count <= bytes_.size() - at_;
+    if (ok_)
+      at_ += count;
+  }
+  std::uint64_t unsigned_integer(std::size_t width)
+  {
+    const std::size_t start = at_;
+    skip(width);
+    std::uint64_t value = 0;
+    for (std::size_t i = 0; ok_ && i < width; ++i)
+      value = value << 8 | std::to_integer<std::uint64_t>(bytes_[start + i]);
+    return value;
+  }
+  std::int64_t int64() { return static_cast<std::int64_t>(unsigned_integer(8)); }
+  std::int32_t int32() { return static_cast<std::int32_t>(unsigned_integer(4)); }
+  int int8() { return static_cast<std::int8_t>(unsigned_integer(1)); }
+  double real() { return std::bit_cast<double>(unsigned_integer(8)); }
+  /// A count of array members; more than any message of ours has is as wrong as a negative one
+  std::size_t count()
+  {
+    const std::int32_t value = int32();
+    constexpr std::int32_t most = 1 << 16;
+    ok_ = ok_ && value >= 0 && value <= most;
+    return ok_ ? static_cast<std::size_t>(value) : 0;
+  }
+  void skip_text()
+  {
+    const std::size_t start = at_;
+    const std::uint64_t length = unsigned_integer(4);
+    ok_ = ok_ && length >= 1 && length <= bytes_.size() - at_ && bytes_[at_ + length - 1] == std::byte{0};
+    skip(ok_ ? length : bytes_.size() - start + 1);
+  }
+  void skip_texts(std::size_t count)
+  {
+    for (std::size_t i = 0; ok_ && i < count; ++i)
+      skip_text();
+  }
+
+  bool ok() const { return ok_; }
+  bool at_end() const { return ok_ && at_ == bytes_.size(); }
+
+private:
+  Bytes bytes_;
+  std::size_t at_ = 0;
+  bool ok_ = true;
+};
+
+/// Decodes what has been walked to its end; false, and the message unchanged, if it has not.
+template <typename Message> bool decode_checked(Bytes bytes, const Cursor& walked, Message& message)
+{
+  if (!walked.at_end())
+    return false;
+  Message decoded;
+  if (decoded.decode(bytes.data(), 0, static_cast<int>(bytes.size())) != static_cast<int>(bytes.size()))
+    return false;
+  message = std::move(decoded);
+  return true;
+}
+
+/// A cursor behind the fingerprint; not ok() if that is another type's.
+template <typename Message> Cursor after_fingerprint(Bytes bytes)
+{
+  Cursor cursor(bytes);
+  if (cursor.int64() != Message::getHash())
+    cursor.skip(bytes.size() + 1);
+  return cursor;
+}
+
+/// A field that numbers its choices from 0
+inline std::optional<Refusal> check_choice(std::string_view field, int value, int last, std::string_view choices)
+{
+  if (value < 0 || value > last)
+    return Refusal(Reason::out_of_range, "{} is {}; expected {}", field, value, choices);
+  return {};
+}
+
+inline constexpr std::string_view kCoordinatesChoices = "ABSOLUTE (0) or RELATIVE (1)";
+
+inline std::optional<Refusal> check_contact_fields(int left_contact, int right_contact)
+{
+  constexpr std::string_view contacts = "NONE (0), HEEL (1), SOLE (2) or TOE (3)";
+  if (auto refusal = check_choice("left_contact", left_contact, 3, contacts))
+    return refusal;
+  return check_choice("right_contact", right_contact, 3, contacts);
+}
+
+/// index: of a member of the field; −1 if it is one number.
+inline std::optional<Refusal> check_finite(std::string_view field, int index, double value)
+{
+  if (is_finite(value))
+    return {};
+  if (index < 0)
+    return Refusal(Reason::not_finite, "{} is {}; expected a finite number", field, value);
+  return Refusal(Reason::not_finite, "{}[{}] is {}; expected a finite number", field, index, value);
+}
+
+/// Reads q, v and a, as long as the robot's coordinates, into the head of those of `desired`; the rest of them is 0.
+/// Refuses: not_finite.
+inline std::optional<Refusal> read_motion(Cursor& cursor, const Robot& robot, DesiredState& desired)
+{
+  constexpr std::string_view fields[] = {"q", "v", "a"};
+  VectorQ* const motion[] = {&desired.q, &desired.v, &desired.a};
+  for (int k = 0; k < 3; ++k)
+  {
+    motion[k]->setZero(robot.mechanism.num_q());
+    for (int i = 0; i < robot.num_coordinates(); ++i)
+    {
+      (*motion[k])(i) = cursor.real();
+      if (auto refusal = check_finite(fields[k], i, (*motion[k])(i)))
+        return refusal;
+    }
+  }
+  return {};
+}
+
+/// q_absolute = A⁻¹ (q_relative − b), and its derivatives.
+inline void make_absolute(const Robot& robot, DesiredState& desired)
+{
+  const int n = robot.num_coordinates();
+  desired.q.head(n) -= robot.b.head(n);
+  for (VectorQ* vector : {&desired.q, &desired.v, &desired.a})
+    vector->head(n) = (robot.A_inverse.topLeftCorner(n, n) * vector->head(n)).eval();
+}
+
+} // namespace torqued
