@@ -1,9 +1,9 @@
 #include "client/answer_table.h"
 #include "client/files.h"
 #include "client/lcm_log.h"
+#include "client/offline.h"
 #include "client/subcommands.h"
 #include "client/tally.h"
-#include "client/trajectory.h"
 
 #include <CLI/CLI.hpp>
 
@@ -16,13 +16,6 @@ namespace torqued
 
 namespace
 {
-
-struct Options
-{
-  std::string file, out, robot, config;
-  std::optional<std::string> method, prefix;
-  bool differentiate = false;
-};
 
 // Writes answers as rows of a CSV, or as the log that lcm-logger would have recorded: model, desired states, answers.
 class AnswerWriter
@@ -126,23 +119,12 @@ Tally answer_all(const Robot& robot, const AnswerSettings& settings, const Traje
   return tally;
 }
 
-ExitCode eval(const Options& options)
+ExitCode eval(const OfflineOptions& options)
 {
   if (!options.out.ends_with(".csv") && !options.out.ends_with(".lcm"))
     throw Failure(ExitCode::usage,
                   fmt::format("-o: found \"{}\"; expected a name that ends in .csv or .lcm", options.out));
-  require_other_file(options.file, options.out);
-  Config config = options.config.empty() ? Config() : read_config(options.config);
-  if (!options.robot.empty())
-    config.robot = options.robot;
-  set_flag("--method", set_method, config, options.method);
-  set_flag("--prefix", set_prefix, config, options.prefix);
-  const Robot robot = load_robot(config.robot);
-
-  const Trajectory trajectory = parse_trajectory(read_file(options.file), options.file, coordinate_names(robot),
-                                                 options.differentiate, Channels(config.prefix));
-  for (const std::string& line : notes(trajectory, robot.name, robot.model_id))
-    note(line);
+  const auto [config, robot, trajectory] = read_offline_input(options);
 
   AnswerWriter writer(options.out, robot, config, trajectory);
   const Tally tally = answer_all(robot, config.answers, trajectory, writer);
@@ -156,21 +138,11 @@ ExitCode eval(const Options& options)
 
 Subcommand add_eval(CLI::App& torquectl)
 {
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<OfflineOptions>();
   CLI::App* app = torquectl.add_subcommand("eval", "answer a trajectory without a bus: the same bits as the daemon's");
-  app->add_option("FILE", options->file, "a trajectory CSV, or an LCM log of desired states")
-      ->type_name("")
-      ->required();
-  app->add_option("-o,--output", options->out,
-                  "where the answers go: .csv, one row each, or .lcm, a log of desired states and answers")
-      ->type_name("OUT")
-      ->required();
-  add_robot_option(*app, options->robot, "default: ck");
-  app->add_option("--config", options->config, "the daemon's configuration file; flags win")->type_name("FILE");
-  add_method_option(*app, options->method, "how double support is resolved where a desired state does not say");
-  add_prefix_option(*app, options->prefix);
-  app->add_flag("--differentiate", options->differentiate,
-                "find the derivatives by a spline through the samples, six or more; CSV only");
+  add_offline_options(*app, *options,
+                      "where the answers go: .csv, one row each, or .lcm, a log of desired states and answers");
+  add_answer_options(*app, *options);
   app->footer(
       "Rejected samples have a row that says so; the exit code is 0 all the same.\n\n"
       "Example, in the source directory:\n"

@@ -1,0 +1,45 @@
+#include "client/offline.h"
+
+#include "client/files.h"
+#include "client/subcommands.h"
+
+#include <CLI/CLI.hpp>
+
+namespace torqued
+{
+
+void add_offline_options(CLI::App& subcommand, OfflineOptions& options, const std::string& out)
+{
+  subcommand.add_option("FILE", options.file, "a trajectory CSV, or an LCM log of desired states")
+      ->type_name("")
+      ->required();
+  subcommand.add_option("-o,--output", options.out, out)->type_name("OUT")->required();
+  add_robot_option(subcommand, options.robot, "default: ck");
+  add_prefix_option(subcommand, options.prefix);
+  subcommand.add_flag("--differentiate", options.differentiate,
+                      "find the derivatives by a spline through the samples, six or more; CSV only");
+}
+
+void add_answer_options(CLI::App& subcommand, OfflineOptions& options)
+{
+  subcommand.add_option("--config", options.config, "the daemon's configuration file; flags win")->type_name("FILE");
+  add_method_option(subcommand, options.method, "how double support is resolved where a desired state does not say");
+}
+
+OfflineInput read_offline_input(const OfflineOptions& options)
+{
+  require_other_file(options.file, options.out);
+  Config config = options.config.empty() ? Config() : read_config(options.config);
+  if (!options.robot.empty())
+    config.robot = options.robot;
+  set_flag("--method", set_method, config, options.method);
+  set_flag("--prefix", set_prefix, config, options.prefix);
+  Robot robot = load_robot(config.robot);
+  Trajectory trajectory = parse_trajectory(read_file(options.file), options.file, coordinate_names(robot),
+                                           options.differentiate, Channels(config.prefix));
+  for (const std::string& line : notes(trajectory, robot.name, robot.model_id))
+    note(line);
+  return {std::move(config), std::move(robot), std::move(trajectory)};
+}
+
+} // namespace torqued

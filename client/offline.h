@@ -1,0 +1,42 @@
+/// What the subcommands that work on a trajectory without a bus have in common.
+#pragma once
+
+#include "client/trajectory.h"
+#include "daemon/config.h"
+
+#include <optional>
+#include <string>
+
+namespace CLI
+{
+class App;
+}
+
+namespace torqued
+{
+
+/// Options as given.
+struct OfflineOptions
+{
+  std::string file, out, robot, config;
+  std::optional<std::string> method, prefix;
+  bool differentiate = false;
+};
+
+/// Adds FILE, --output, --robot, --prefix and --differentiate. out: what the output is.
+void add_offline_options(CLI::App& subcommand, OfflineOptions& options, const std::string& out);
+/// Adds --config and --method, for what depends on how double support is resolved.
+void add_answer_options(CLI::App& subcommand, OfflineOptions& options);
+
+/// The options' meaning.
+struct OfflineInput
+{
+  Config config;
+  Robot robot;
+  Trajectory trajectory;
+};
+
+/// Reads configuration, robot and trajectory, and tells the user what to know about them. Throws Failure; FileError.
+OfflineInput read_offline_input(const OfflineOptions& options);
+
+} // namespace torqued
