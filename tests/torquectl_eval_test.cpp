@@ -1,19 +1,16 @@
 #include "catch.h"
 
 #include "client/answer_table.h"
-#include "client/csv_lines.h"
 #include "client/files.h"
 #include "client/lcm_log.h"
-#include "client/torquectl.h"
 #include "client/trajectory.h"
 #include "daemon/lcm_loop.h"
-#include "temporary_folder.h"
+#include "run_torquectl.h"
 
 #include <algorithm>
 #include <array>
 #include <cfenv>
 #include <cstdio>
-#include <fcntl.h>
 #include <fmt/format.h>
 #include <map>
 #include <spdlog/logger.h>
@@ -26,67 +23,6 @@ namespace
 {
 
 const std::string kWalk = TRAJECTORIES "/subject01-walk/walk.csv";
-
-// Takes what goes to a stream of this process into a file.
-class Capture
-{
-public:
-  Capture(std::FILE* stream, const std::string& path) : stream_(stream)
-  {
-    std::fflush(stream_);
-    kept_ = dup(fileno(stream_));
-    const int file = open(path.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0600);
-    dup2(file, fileno(stream_));
-    close(file);
-  }
-  ~Capture()
-  {
-    std::fflush(stream_);
-    dup2(kept_, fileno(stream_));
-    close(kept_);
-  }
-  Capture(const Capture&) = delete;
-  Capture& operator=(const Capture&) = delete;
-
-private:
-  std::FILE* stream_;
-  int kept_;
-};
-
-struct Run
-{
-  int code;
-  std::string out, err;
-};
-
-Run run(const std::vector<std::string>& words)
-{
-  const TemporaryFolder folder;
-  std::vector<const char*> argv{"torquectl"};
-  for (const std::string& word : words)
-    argv.push_back(word.c_str());
-  Run run;
-  {
-    const Capture out(stdout, folder.file("out"));
-    const Capture err(stderr, folder.file("err"));
-    run.code = torquectl(static_cast<int>(argv.size()), argv.data());
-  }
-  run.out = read_file(folder.file("out"));
-  run.err = read_file(folder.file("err"));
-  return run;
-}
-
-// the cells of each line, the names of the columns first
-std::vector<std::vector<std::string>> rows(const std::string& path)
-{
-  const std::string text = read_file(path);
-  CsvReader reader(text, path);
-  CsvLine line;
-  std::vector<std::vector<std::string>> rows;
-  while (reader.next(line))
-    rows.push_back(line.cells);
-  return rows;
-}
 
 std::vector<std::string> with_utime(std::int64_t utime, const std::vector<std::string>& cells)
 {
@@ -518,6 +454,11 @@ TEST_CASE("what cannot be done ends with its exit code and one line", "[torquect
       {{"eval", kWalk, "-o", out, "--prefix", "a.*"},
        64,
        "--prefix: found \"a.*\"; expected at most 32 letters, digits, _, - or /"},
+      {{"wrenches", kWalk, "-o", "x.txt"}, 64, "-o: found \"x.txt\"; expected a name that ends in .csv, or -"},
+      {{"dynamics", kWalk, "-o", out, "--coordinates", "rel"},
+       64,
+       "--coordinates: rel not in {absolute,relative}; torquectl dynamics --help says what is right"},
+      {{"dynamics", kWalk, "-o", kWalk}, 64, fmt::format("{0} would be written over {0}, which is read", kWalk)},
       {{"send", kWalk, "--rate", "0"},
        64,
        "--rate: found \"0\"; expected a positive number; torquectl send --help says what is right"},
@@ -584,7 +525,7 @@ TEST_CASE("a full disk is not taken for success", "[torquectl_eval]")
 
 TEST_CASE("every subcommand has help with an example", "[torquectl_eval]")
 {
-  for (const std::string name : {"send", "echo", "eval", "export", "model"})
+  for (const std::string name : {"send", "echo", "eval", "dynamics", "wrenches", "export", "model"})
   {
     const Run help = run({name, "--help"});
     CHECK(help.code == 0);

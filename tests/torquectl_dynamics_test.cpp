@@ -1,0 +1,217 @@
+#include "catch.h"
+#include "matchers.h"
+#include "run_torquectl.h"
+
+#include "client/answer_table.h"
+#include "robot/robot.h"
+
+#include <algorithm>
+#include <fmt/format.h>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <sstream>
+
+using namespace torqued;
+
+namespace
+{
+
+using Json = nlohmann::json;
+
+const std::string kWalk = TRAJECTORIES "/subject01-walk/walk.csv";
+
+std::vector<Json> objects(const std::string& path)
+{
+  std::istringstream lines(read_file(path));
+  std::vector<Json> result;
+  for (std::string line; std::getline(lines, line);)
+    result.push_back(Json::parse(line));
+  return result;
+}
+
+Eigen::MatrixXd matrix(const Json& rows)
+{
+  Eigen::MatrixXd result(rows.size(), rows.empty() ? 0 : rows[0].size());
+  for (std::size_t i = 0; i < rows.size(); ++i)
+    for (std::size_t j = 0; j < rows[i].size(); ++j)
+      result(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(j)) = rows[i][j].get<double>();
+  return result;
+}
+
+Eigen::VectorXd vector(const Json& numbers)
+{
+  const auto values = numbers.get<std::vector<double>>();
+  return Eigen::Map<const Eigen::VectorXd>(values.data(), static_cast<Eigen::Index>(values.size()));
+}
+
+// a CSV's columns by name, as numbers; empty cells are 0
+std::map<std::string, std::vector<double>> columns(const std::string& path)
+{
+  const auto table = rows(path);
+  std::map<std::string, std::vector<double>> result;
+  for (std::size_t i = 1; i < table.size(); ++i)
+    for (std::size_t j = 0; j < table[0].size(); ++j)
+    {
+      const std::string& cell = table[i][j];
+      char* end = nullptr;
+      const double number = std::strtod(cell.c_str(), &end);
+      if (*end == '\0')
+        result[table[0][j]].push_back(number);
+    }
+  return result;
+}
+
+double largest(const std::vector<double>& numbers)
+{
+  return *std::max_element(numbers.begin(), numbers.end());
+}
+
+} // namespace
+
+TEST_CASE("dynamics and eval agree: the generalized force is what torques and ground reactions give",
+          "[torquectl_dynamics]")
+{
+  const TemporaryFolder folder;
+  const std::string answers = folder.file("a.csv");
+  REQUIRE(run({"eval", kWalk, "--robot", "human-subject01", "-o", answers}).code == 0);
+  const auto answer = columns(answers);
+  const auto walk = columns(kWalk);
+  const Robot robot = load_robot("human-subject01");
+  for (const std::string coordinates : {"absolute", "relative"})
+  {
+    const std::string out = folder.file(coordinates + ".json");
+    const Run done =
+        run({"dynamics", kWalk, "--robot", "human-subject01", "-o", out, "--coordinates", coordinates, "--regressor"});
+    CHECK(done.code == 0);
+    CHECK(done.err == "");
+    CHECK(done.out == "human-subject01: 447 of 447 samples, in " + coordinates + " coordinates\n");
+    const std::vector<Json> equations = objects(out);
+    REQUIRE(equations.size() == 447);
+    for (std::size_t i = 0; i < equations.size(); ++i)
+    {
+      CAPTURE(coordinates, i);
+      const Json& equation = equations[i];
+      CHECK(equation["utime"] == answer.at("utime")[i]);
+      const Eigen::VectorXd force = vector(equation["generalized_force"]);
+      Eigen::VectorXd torque(6), w(equation["J"].size());
+      for (int j = 0; j < 6; ++j)
+        torque(j) = answer.at("tau_" + robot.actuators[static_cast<std::size_t>(j)].name)[i];
+      Eigen::Index row = 0;
+      for (const std::string side : {"L", "R"})
+        if (walk.at("contact" + side)[i] != 0.0)
+        {
+          w.segment<3>(row) << answer.at("fx" + side)[i], answer.at("fz" + side)[i], answer.at("moment" + side)[i];
+          row += 3;
+        }
+      REQUIRE(row == w.size()); // on this walk every contact is a sole
+      CHECK(mismatch(matrix(equation["B"]) * torque + matrix(equation["J"]).transpose() * w, force, 1e-10) == "");
+      CHECK(mismatch(matrix(equation["Y"]) * vector(equation["alpha"]), force, 1e-10) == "");
+    }
+  }
+}
+
+TEST_CASE("wrenches gives the torques of eval by the second way, and leaves no residual", "[torquectl_dynamics]")
+{
+  const TemporaryFolder folder;
+  const std::string answers = folder.file("a.csv"), wrenches = folder.file("w.csv");
+  for (const auto& [robot, file] :
+       {std::pair<std::string, std::string>{"human-subject01", kWalk}, {"compass", TRAJECTORIES "/compass/case-b.csv"}})
+  {
+    REQUIRE(run({"eval", file, "--robot", robot, "-o", answers}).code == 0);
+    const Run done = run({"wrenches", file, "--robot", robot, "-o", wrenches});
+    CHECK(done.code == 0);
+    CHECK(done.out.find("samples answered, 0 rejected") != std::string::npos);
+    const auto answer = columns(answers);
+    const auto found = columns(wrenches);
+    for (const auto& [name, values] : answer)
+      if (name.starts_with("tau_"))
+        for (std::size_t i = 0; i < values.size(); ++i)
+          CHECK(mismatch(found.at(name)[i], values[i], 1e-9) == "");
+    for (const char* residual : {"residual_fx", "residual_fz", "residual_m"})
+      for (const double value : found.at(residual))
+        CHECK(std::abs(value) < 1e-9);
+  }
+}
+
+TEST_CASE("wrenches says where and what the joints carry: a compass at rest", "[torquectl_dynamics]")
+{
+  // statics: the swing leg hangs its 5 kg on the hip; with it the hip's 10 kg and the stance leg's 5 kg stand on the
+  // foot
+  const TemporaryFolder folder;
+  const std::string out = folder.file("w.csv");
+  REQUIRE(run({"wrenches", TRAJECTORIES "/compass/case-a.csv", "--robot", "compass", "-o", out}).code == 0);
+  const auto found = columns(out);
+  const double c = std::sqrt(0.5), g = 9.81;
+  CHECK(mismatch(found.at("x_swing_leg")[0], c, 1e-12) == "");
+  CHECK(mismatch(found.at("z_swing_leg")[0], c, 1e-12) == "");
+  CHECK(mismatch(found.at("fz_swing_leg")[0], 5.0 * g, 1e-12) == "");
+  CHECK(mismatch(found.at("fz_hip")[0], 15.0 * g, 1e-12) == "");
+  CHECK(mismatch(found.at("fz_stance_leg")[0], 20.0 * g, 1e-12) == "");
+  CHECK(mismatch(found.at("fx_stance_leg")[0], 0.0, 1e-12) == "");
+  // the swing leg is level: its weight half a metre from the hip
+  CHECK(mismatch(found.at("tau_q2")[0], 5.0 * g * 0.5, 1e-12) == "");
+  CHECK(mismatch(found.at("m_stance_leg")[0], found.at("tau_q1")[0], 1e-12) == "");
+}
+
+TEST_CASE("the compass biped's published motions need the published torques", "[torquectl_dynamics]")
+{
+  // [De-León-Gómez 2017, section 4]; the paper cuts its decimals off. τ1 is that of relative, τ̄1 that of absolute
+  // coordinates, of which b has none printed
+  struct Row
+  {
+    std::string motion;
+    double tau, tau_bar, printed_tau, printed_tau_bar;
+  };
+  const std::vector<Row> table{{"case-a", 145.917557, 121.392557, 145.9175, 121.3925},
+                               {"case-b", 144.465824, 123.083687, 144.46, 123.083687},
+                               {"case-c", 152.730239, 135.388445, 152.73, 135.38}};
+  const TemporaryFolder folder;
+  for (const Row& row : table)
+  {
+    CAPTURE(row.motion);
+    const std::string file = std::string(TRAJECTORIES) + "/compass/" + row.motion + ".csv";
+    REQUIRE(run({"eval", file, "--robot", "compass", "-o", folder.file("a.csv")}).code == 0);
+    REQUIRE(run({"dynamics", file, "--robot", "compass", "-o", folder.file("d.json")}).code == 0);
+    const double tau = largest(columns(folder.file("a.csv")).at("tau_q1"));
+    std::vector<double> absolute;
+    for (const Json& equation : objects(folder.file("d.json")))
+      absolute.push_back(equation["generalized_force"][0]);
+    // sampled every 10 ms, a smooth maximum is missed by at most some 2e-4 N m
+    CHECK(std::abs(tau - row.tau) < 3e-4);
+    CHECK(std::abs(largest(absolute) - row.tau_bar) < 3e-4);
+    CHECK(tau - row.printed_tau < 0.01);
+    CHECK(largest(absolute) - row.printed_tau_bar < 0.01);
+  }
+}
+
+TEST_CASE("a sample that has no answer has a line that says why", "[torquectl_dynamics]")
+{
+  const TemporaryFolder folder;
+  const std::string file = folder.write("m.csv", "time,q1,q2,dq1,dq2,ddq1,ddq2,contactL,contactR\n"
+                                                 "0,1,1,0,0,0,0,sole,none\n1,1,1,0,0,0,0,heel,none\n");
+  const Run done = run({"dynamics", file, "--robot", "compass", "-o", folder.file("d.json")});
+  CHECK(done.code == 0);
+  CHECK(done.out == "compass: 1 of 2 samples, in absolute coordinates\n");
+  CHECK(done.err.find(file + ":3: left_contact is 1, but the left foot is fixed to the world") != std::string::npos);
+  const std::vector<Json> equations = objects(folder.file("d.json"));
+  CHECK(equations[0].contains("M"));
+  CHECK(equations[1]["utime"] == 1'000'000);
+  CHECK(equations[1]["error"].get<std::string>().find("stands as SOLE (2)") != std::string::npos);
+
+  REQUIRE(run({"wrenches", file, "--robot", "compass", "-o", folder.file("w.csv")}).code == 0);
+  const auto table = rows(folder.file("w.csv"));
+  CHECK(table[1].back() == "");
+  CHECK(table[2].back() == "NOT_SUPPORTED");
+  CHECK(table[2].front() == "1000000");
+}
+
+TEST_CASE("dynamics and wrenches write to the terminal, and nothing else there", "[torquectl_dynamics]")
+{
+  const std::string file = TRAJECTORIES "/compass/case-a.csv";
+  const Run dynamics = run({"dynamics", file, "--robot", "compass", "-o", "-"});
+  CHECK(std::count(dynamics.out.begin(), dynamics.out.end(), '\n') == 61);
+  CHECK(dynamics.out.starts_with("{\"utime\":0,\"M\":[["));
+  const Run wrenches = run({"wrenches", file, "--robot", "compass", "-o", "-"});
+  CHECK(std::count(wrenches.out.begin(), wrenches.out.end(), '\n') == 62);
+  CHECK(wrenches.out.starts_with("utime,x_stance_leg,z_stance_leg,fx_stance_leg,fz_stance_leg,m_stance_leg,x_hip,"));
+}
