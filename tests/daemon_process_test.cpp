@@ -3,7 +3,8 @@
 #include "temporary_folder.h"
 
 #include "client/files.h"
-#include "wire/codec.h"
+#include "robot/robot.h"
+#include "wire/dynamics_codec.h"
 
 #include <functional>
 #include <lcm/lcm-cpp.hpp>
@@ -32,7 +33,8 @@ public:
   explicit Bench(std::vector<std::string> arguments = {})
   {
     REQUIRE(bus_.good());
-    for (const std::string& channel : {channels_.command, channels_.rejected, channels_.status, channels_.model})
+    for (const std::string& channel :
+         {channels_.command, channels_.rejected, channels_.status, channels_.model, channels_.dynamics})
       bus_.subscribeFunction(channel, &Bench::hear, this);
     arguments.insert(arguments.begin(), TORQUED);
     torqued_.emplace(arguments, folder_.file("output"));
@@ -72,10 +74,26 @@ public:
     send(encode(desired, buffer));
   }
 
+  void ask(std::int64_t request_id)
+  {
+    dynamics_request_t request{};
+    request.request_id = request_id;
+    request.want_regressor = 1;
+    // what a fixed root, the only one without a base point, demands
+    request.left_contact = model->base_names[0].empty() ? dynamics_request_t::SOLE : dynamics_request_t::NONE;
+    request.num_coordinates = model->num_coordinates;
+    request.q.resize(static_cast<std::size_t>(model->num_coordinates));
+    request.v = request.a = request.q;
+    std::vector<std::byte> buffer;
+    const Bytes bytes = encode(request, buffer);
+    bus_.publish(channels_.dynamics_request, bytes.data(), static_cast<unsigned>(bytes.size()));
+  }
+
   std::optional<model_info_t> model;
   std::vector<torque_command_t> commands;
   std::vector<rejection_t> rejections;
   std::vector<status_t> statuses;
+  std::vector<dynamics_t> dynamics;
 
 private:
   static void hear(const lcm::ReceiveBuffer* buffer, const std::string& channel, Bench* bench)
@@ -92,6 +110,8 @@ private:
       decoded = decode(bytes, rejections.emplace_back());
     else if (channel == channels_.status)
       decoded = decode(bytes, statuses.emplace_back());
+    else if (channel == channels_.dynamics)
+      decoded = decode(bytes, dynamics.emplace_back());
     else
       decoded = decode(bytes, model.emplace());
     undecoded_ += decoded ? 0 : 1;
@@ -263,4 +283,40 @@ TEST_CASE("help, version and the printed configuration come without a bus", "[da
   CHECK(again_code == 0);
   CHECK(again == printed);
   CHECK(printed.find("prefix = 'p_'") != std::string::npos);
+}
+
+TEST_CASE("torqued runs with every robot that ships: it answers a desired state and a request for the dynamics",
+          "[daemon_process]")
+{
+  for (const std::string_view name : shipped_robot_names())
+  {
+    CAPTURE(name);
+    Bench bench({"--every-sample", "--robot", std::string(name)});
+    CHECK(bench.model->name == name);
+    desired_state_t desired = bench.standing();
+    if (bench.model->num_feet == 1)
+      desired.right_contact = desired_state_t::NONE;
+    if (name == "rabbit")
+      desired.left_contact = desired.right_contact = desired_state_t::TOE;
+    if (name == "rabbit")
+      for (std::size_t i : {0U, 1U}) // one leg before the other: points at one place hold nothing
+        desired.q[i] = 0.2;
+    bench.send(desired);
+    bench.ask(42);
+    CHECK(
+        bench.wait([&] { return bench.commands.size() + bench.rejections.size() == 1 && bench.dynamics.size() == 1; }));
+    CHECK(bench.rejections.empty());
+    REQUIRE(bench.commands.size() == 1);
+    CHECK(bench.commands[0].num_joints == bench.model->num_joints);
+    REQUIRE(bench.dynamics.size() == 1);
+    const dynamics_t& reply = bench.dynamics[0];
+    CHECK(reply.error == "");
+    CHECK(reply.request_id == 42);
+    CHECK(reply.model_id == bench.model->model_id);
+    CHECK(reply.n == bench.model->num_coordinates + (bench.model->base_names[0].empty() ? 0 : 2));
+    CHECK(reply.num_parameters > 0);
+    CHECK(bench.undecoded_ == 0);
+    bench.torqued().signal(SIGTERM);
+    CHECK(bench.torqued().wait() == 0);
+  }
 }
