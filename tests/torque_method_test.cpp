@@ -1,6 +1,6 @@
 #include "catch.h"
 #include "matchers.h"
-#include "oracles.h"
+#include "random_state.h"
 
 #include "torque/checks.h"
 
@@ -493,5 +493,57 @@ TEST_CASE("a foot and an actuator on a link fixed at an angle are those of the l
     CHECK(mismatch(turned.foot(Side::left).e, level.foot(Side::left).e, 1e-13) == "");
     CHECK(mismatch(turned.sole_tilt, level.sole_tilt, 1e-13) == "");
     CHECK(mismatch(turned.J, level.J, 1e-13) == "");
+  }
+}
+
+TEST_CASE("motors give what rotors and friction take on top, and the ground feels none of it", "[torque_method]")
+{
+  oracle::Random random(77);
+  for (const char* name : {"ck", "rk", "six-link"})
+  {
+    const Robot ideal = load_robot(name);
+    Robot real = ideal;
+    for (Actuator& actuator : real.actuators)
+    {
+      actuator.rotor_inertia = oracle::uniform(random, 0.1, 1.0);
+      actuator.coulomb = oracle::uniform(random, 0.1, 2.0);
+      actuator.viscous = oracle::uniform(random, 0.1, 2.0);
+      actuator.stribeck = oracle::uniform(random, 0.1, 2.0);
+      actuator.stribeck_velocity = oracle::uniform(random, 0.5, 2.0);
+      actuator.friction_offset = oracle::uniform(random, -1.0, 1.0);
+    }
+    for (int i = 0; i < 200; ++i)
+    {
+      CAPTURE(name, i);
+      const State state = random_state(random, ideal);
+      DesiredState desired{};
+      desired.base_given = !ideal.fixed_root();
+      desired.support = {{Contact::sole, Contact::heel}, Side::right, 0.4, 0.0};
+      desired.q = state.q;
+      desired.v = state.v;
+      desired.a = state.a;
+      const auto solve = [&](const Robot& robot)
+      {
+        const auto equations = std::get<SupportEquations>(support_equations(robot, desired));
+        const auto solution =
+            std::get<TorqueSolution>(solve_torques(robot, equations, desired.support, Method::none, {}, 1e-3));
+        const double size = std::max(1.0, equations.r.cwiseAbs().maxCoeff());
+        CHECK(dynamics_residual(robot, equations, solution.w, solution.torque) < 1e-11 * size);
+        return solution;
+      };
+      const TorqueSolution with = solve(real), without = solve(ideal);
+      CHECK(mismatch(with.w, without.w, 0.0) == "");
+      const Eigen::MatrixXd B = input_matrix(real);
+      for (int j = 0; j < real.num_joints(); ++j)
+      {
+        const Actuator& motor = real.actuators[static_cast<std::size_t>(j)];
+        const double rate = B.col(j).dot(state.v), acceleration = B.col(j).dot(state.a);
+        const double slow = rate / motor.stribeck_velocity;
+        const double taken = motor.rotor_inertia * acceleration + motor.viscous * rate + motor.friction_offset +
+                             (rate > 0.0 ? 1.0 : -1.0) * (motor.coulomb + motor.stribeck * std::exp(-slow * slow));
+        const double size = without.torque.cwiseAbs().maxCoeff();
+        CHECK(std::abs(with.torque(j) - without.torque(j) - taken) < 1e-12 * std::max(1.0, size));
+      }
+    }
   }
 }
