@@ -5,6 +5,7 @@
 #include "daemon/answer_dynamics.h"
 
 #include <functional>
+#include <map>
 
 using namespace torqued;
 
@@ -40,8 +41,13 @@ dynamics_request_t request_for(const Robot& robot, oracle::Random& random)
 
 dynamics_t answer_to(const Robot& robot, Bytes request)
 {
+  static std::map<std::int64_t, std::vector<BaseParameter>> parameters; // by model_id: they take a while
+  const auto known = parameters.find(robot.model_id);
+  const auto& of_robot = known != parameters.end()
+                             ? known->second
+                             : parameters.emplace(robot.model_id, base_parameters(robot)).first->second;
   dynamics_t reply{};
-  answer_dynamics(robot, base_parameters(robot), request, reply);
+  answer_dynamics(robot, of_robot, request, reply);
   std::vector<std::byte> buffer;
   dynamics_t heard;
   REQUIRE(decode(encode(reply, buffer), heard));
