@@ -106,6 +106,26 @@ TEST_CASE("six-link answers as ck does on its flat left foot, in single and in d
     }
 }
 
+TEST_CASE("a fixed root rests, whatever the other foot does", "[contacts]")
+{
+  oracle::Random random(3);
+  const Robot six = load_robot("six-link");
+  for (const Contact right : {Contact::none, Contact::heel, Contact::sole, Contact::toe})
+    for (const Side leading : kSides)
+    {
+      const State state = random_state(random, six);
+      DesiredState desired = standing(six, Contact::sole, right);
+      desired.support.leading = leading;
+      desired.q = state.q;
+      desired.v = state.v;
+      desired.a = state.a;
+      const Motion motion = std::get<Motion>(complete_motion(six, desired));
+      CHECK(motion.now.base == Eigen::Vector2d(0.0, 0.065)); // the ankle, its sole on the ground
+      CHECK(motion.v.tail<3>().isZero(0.0));
+      CHECK(motion.a.tail<3>().isZero(0.0));
+    }
+}
+
 TEST_CASE("the ground holds a fixed root with the whole robot's force and moment", "[contacts]")
 {
   oracle::Random random(2);

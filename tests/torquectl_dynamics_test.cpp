@@ -114,8 +114,13 @@ TEST_CASE("wrenches gives the torques of eval by the second way, and leaves no r
 {
   const TemporaryFolder folder;
   const std::string answers = folder.file("a.csv"), wrenches = folder.file("w.csv");
+  // rabbit has motors with inertia
+  const std::string rabbit =
+      folder.write("rabbit.csv", "time,q1,q2,q3,q4,q6,dq1,dq2,dq3,dq4,dq6,ddq1,ddq2,ddq3,ddq4,ddq6,contactL,contactR\n"
+                                 "0,0.1,0.3,-0.3,-0.4,0,1,2,3,4,5,6,7,8,9,10,heel,heel\n");
+  using Row = std::pair<std::string, std::string>;
   for (const auto& [robot, file] :
-       {std::pair<std::string, std::string>{"human-subject01", kWalk}, {"compass", TRAJECTORIES "/compass/case-b.csv"}})
+       {Row{"human-subject01", kWalk}, Row{"rabbit", rabbit}, Row{"compass", TRAJECTORIES "/compass/case-b.csv"}})
   {
     REQUIRE(run({"eval", file, "--robot", robot, "-o", answers}).code == 0);
     const Run done = run({"wrenches", file, "--robot", robot, "-o", wrenches});
