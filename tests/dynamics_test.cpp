@@ -29,7 +29,7 @@ TEST_CASE("inverse dynamics equals the closed form of the seven-link biped", "[d
   for (int i = 0; i < kStates; ++i)
   {
     CAPTURE(i);
-    const oracle::Ck ck = oracle::random_ck(random);
+    const oracle::Biped ck = oracle::random_ck(random);
     const Robot robot = ck.robot();
     const oracle::Motion motion = oracle::random_motion(random);
     const VectorQ r = inverse_dynamics(robot.mechanism, kinematics_of(robot, motion), motion.A);
@@ -43,7 +43,7 @@ TEST_CASE("a body cut in two that ride on each other moves as one", "[dynamics]"
 {
   // the trunk of ck, as a part that turns and a part fixed to it at an angle
   oracle::Random random(2);
-  const oracle::Ck ck;
+  const oracle::Biped ck;
   const std::string whole(shipped_robot_toml("ck"));
   const std::string trunk = "mass = 29.2\ncom = [0.0, 0.19]\ninertia = 0.81\n";
   REQUIRE(whole.find(trunk) != std::string::npos);
@@ -84,7 +84,7 @@ TEST_CASE("contact points, J and J̇ v equal their closed forms", "[dynamics]")
   oracle::Random random(3);
   for (int i = 0; i < 300; ++i)
   {
-    const oracle::Ck ck = oracle::random_ck(random);
+    const oracle::Biped ck = oracle::random_ck(random);
     const Robot robot = ck.robot();
     const oracle::Motion motion = oracle::random_motion(random);
     const Kinematics now = kinematics_of(robot, motion);

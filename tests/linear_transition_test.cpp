@@ -63,7 +63,7 @@ TEST_CASE("linear transition meets single support where the other foot carries n
     for (int i = 0; i < 200; ++i)
     {
       CAPTURE(name_of(rolling), i);
-      const oracle::Ck ck = oracle::random_ck(random);
+      const oracle::Biped ck = oracle::random_ck(random);
       const Robot robot = ck.robot();
       const Side flat = i % 2 == 0 ? Side::left : Side::right;
       const Contact left = flat == Side::left ? Contact::sole : rolling;
@@ -88,7 +88,7 @@ TEST_CASE("linear transition gives each foot its share of the total force", "[li
       for (int i = 0; i < 50; ++i)
       {
         CAPTURE(name_of(left), name_of(right), i);
-        const oracle::Ck ck = oracle::random_ck(random);
+        const oracle::Biped ck = oracle::random_ck(random);
         const oracle::Motion motion = oracle::random_consistent_motion(random, ck, left, right);
         const double s = oracle::uniform(random, 0.0, 1.0);
         const Side leading = i % 2 == 0 ? Side::left : Side::right;

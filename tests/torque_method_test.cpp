@@ -42,11 +42,11 @@ Eigen::Vector3d vector(const Wrench& wrench)
 }
 
 // Γ and the contact forces from the full closed-form system [B Jᵀ] (Γ, w) = D A + H + Q
-Eigen::VectorXd closed_form(const oracle::Ck& ck, const oracle::Motion& motion, Side side, Contact contact)
+Eigen::VectorXd closed_form(const oracle::Biped& ck, const oracle::Motion& motion, Side side, Contact contact)
 {
   const Eigen::MatrixXd J = ck.J(side, contact, motion.X);
   Eigen::MatrixXd system(9, 6 + J.rows());
-  system << oracle::Ck::B(), J.transpose();
+  system << ck.B(), J.transpose();
   return system.colPivHouseholderQr().solve(ck.D(motion.X) * motion.A + ck.H(motion.X, motion.V) + ck.Q(motion.X));
 }
 
@@ -56,7 +56,7 @@ std::pair<Contact, Contact> contacts(Side side, Contact contact)
 }
 
 // Turns the trunk's acceleration until the moment about a lone contact point vanishes: the trunk moves no contact.
-oracle::Motion balanced_on_point(const oracle::Ck& ck, oracle::Motion motion, Side side, Contact contact)
+oracle::Motion balanced_on_point(const oracle::Biped& ck, oracle::Motion motion, Side side, Contact contact)
 {
   // the moment about the contact point is linear in the acceleration of one coordinate
   const auto moment = [&](double trunk_acceleration)
@@ -79,7 +79,7 @@ TEST_CASE("single support on a sole gives the torques and the wrench of the clos
   oracle::Random random(11);
   for (int i = 0; i < 1000; ++i)
   {
-    const oracle::Ck ck = oracle::random_ck(random);
+    const oracle::Biped ck = oracle::random_ck(random);
     const Robot robot = ck.robot();
     const Side side = i % 2 == 0 ? Side::left : Side::right;
     const auto [left, right] = contacts(side, Contact::sole);
@@ -102,7 +102,7 @@ TEST_CASE("single support on a heel or toe is answered when the motion balances,
   oracle::Random random(12);
   for (int i = 0; i < 400; ++i)
   {
-    const oracle::Ck ck = oracle::random_ck(random);
+    const oracle::Biped ck = oracle::random_ck(random);
     const Robot robot = ck.robot();
     const Side side = i % 2 == 0 ? Side::left : Side::right;
     const Contact contact = i % 4 < 2 ? Contact::heel : Contact::toe;
@@ -129,7 +129,7 @@ TEST_CASE("an answered imbalance within tolerance is left in the residual, not s
           "[torque_method]")
 {
   oracle::Random random(13);
-  const oracle::Ck ck;
+  const oracle::Biped ck;
   const Robot robot = ck.robot();
   oracle::Motion motion = balanced_on_point(
       ck, oracle::random_consistent_motion(random, ck, Contact::toe, Contact::none), Side::left, Contact::toe);
@@ -151,7 +151,7 @@ TEST_CASE("an answered imbalance within tolerance is left in the residual, not s
 TEST_CASE("flight is answered when ballistic, and refused when not", "[torque_method]")
 {
   oracle::Random random(14);
-  const oracle::Ck ck = oracle::random_ck(random);
+  const oracle::Biped ck = oracle::random_ck(random);
   const Robot robot = ck.robot();
   for (int i = 0; i < 100; ++i)
   {
@@ -172,7 +172,7 @@ TEST_CASE("flight is answered when ballistic, and refused when not", "[torque_me
 
     const TorqueSolution found = solution(robot, oracle::desired_state(motion, Contact::none, Contact::none));
     const oracle::Vector9 r = ck.D(motion.X) * motion.A + ck.H(motion.X, motion.V) + ck.Q(motion.X);
-    CHECK(mismatch(oracle::Ck::B() * found.torque, r, 1e-9) == "");
+    CHECK(mismatch(ck.B() * found.torque, r, 1e-9) == "");
 
     motion.A(8) += 1.0;
     const auto refused = solve(robot, oracle::desired_state(motion, Contact::none, Contact::none));
@@ -189,12 +189,12 @@ TEST_CASE("the torques' power is the rate of change of the robot's energy while 
                                                {Contact::sole, Contact::sole}, {Contact::toe, Contact::heel}};
   for (int i = 0; i < 600; ++i)
   {
-    const oracle::Ck ck = oracle::random_ck(random);
+    const oracle::Biped ck = oracle::random_ck(random);
     const auto [left, right] = pairs[i % 6];
     CAPTURE(i, name_of(left), name_of(right));
     const oracle::Motion motion = oracle::random_consistent_motion(random, ck, left, right);
     const TorqueSolution found = solution(ck.robot(), oracle::desired_state(motion, left, right, Side::right, 0.3));
-    const double power = motion.V.dot(oracle::Ck::B() * found.torque);
+    const double power = motion.V.dot(ck.B() * found.torque);
     const double h = 1e-5;
     const auto energy = [&](double t)
     {
@@ -215,7 +215,7 @@ TEST_CASE("in every support the equation of motion holds and the total ground wr
       for (int i = 0; i < 50; ++i)
       {
         CAPTURE(name_of(left), name_of(right), i);
-        const oracle::Ck ck = oracle::random_ck(random);
+        const oracle::Biped ck = oracle::random_ck(random);
         const Robot robot = ck.robot();
         const oracle::Motion motion = oracle::random_consistent_motion(random, ck, left, right);
         MethodSettings settings;
@@ -228,7 +228,7 @@ TEST_CASE("in every support the equation of motion holds and the total ground wr
 
         // D A + H + Q = B Γ + J_Lᵀ w_L + J_Rᵀ w_R, the wrenches at the ankles
         const oracle::Vector9 r = ck.D(motion.X) * motion.A + ck.H(motion.X, motion.V) + ck.Q(motion.X);
-        oracle::Vector9 sum = oracle::Ck::B() * found.torque;
+        oracle::Vector9 sum = ck.B() * found.torque;
         for (const Side side : kSides)
           sum += ck.J(side, Contact::sole, motion.X).transpose() * vector(found.ground[static_cast<std::size_t>(side)]);
         const double forces = std::max(std::abs(found.ground[0].fz), std::abs(found.ground[1].fz));
@@ -245,7 +245,7 @@ TEST_CASE("the base that rests on its contact gives the same torques as the same
                                                {Contact::sole, Contact::sole}, {Contact::toe, Contact::heel}};
   for (int i = 0; i < 300; ++i)
   {
-    const oracle::Ck ck = oracle::random_ck(random);
+    const oracle::Biped ck = oracle::random_ck(random);
     const Robot robot = ck.robot();
     const auto [left, right] = pairs[i % 6];
     CAPTURE(i, name_of(left), name_of(right));
@@ -280,7 +280,7 @@ TEST_CASE("the base that rests on its contact gives the same torques as the same
 TEST_CASE("what a robot or a base cannot do is refused", "[torque_method]")
 {
   oracle::Random random(18);
-  const oracle::Ck ck;
+  const oracle::Biped ck;
   Robot robot = ck.robot();
   const oracle::Motion motion = oracle::random_motion(random);
 
@@ -329,7 +329,7 @@ TEST_CASE("the mirrored motion needs the mirrored torques and ground reactions",
       for (int i = 0; i < 30; ++i)
       {
         CAPTURE(name_of(left), name_of(right), i);
-        const oracle::Ck ck = oracle::random_ck(random);
+        const oracle::Biped ck = oracle::random_ck(random);
         const Robot robot = ck.robot();
         const oracle::Motion motion = oracle::random_consistent_motion(random, ck, left, right);
         const auto mirrored = [](const oracle::Vector9& x)
@@ -351,7 +351,7 @@ TEST_CASE("the mirrored motion needs the mirrored torques and ground reactions",
 
 TEST_CASE("each foot's speed, acceleration and tilt against the ground is seen", "[torque_method]")
 {
-  const oracle::Ck ck;
+  const oracle::Biped ck;
   const Robot robot = ck.robot();
   oracle::Motion still;
   still.X << 0, 0, 0, 0, 0, 0, 0, 0, ck.l1 + ck.l2 + ck.h_p;
@@ -384,7 +384,7 @@ TEST_CASE("each foot's speed, acceleration and tilt against the ground is seen",
 
 TEST_CASE("a tilted sole that places the base rests on the ground below its ankle", "[torque_method]")
 {
-  const oracle::Ck ck;
+  const oracle::Biped ck;
   const Robot robot = ck.robot();
   oracle::Random random(20);
   for (int i = 0; i < 50; ++i)
@@ -403,7 +403,7 @@ TEST_CASE("a tilted sole that places the base rests on the ground below its ankl
 TEST_CASE("under-actuated motions are answered up to the tolerance and refused beyond it", "[torque_method]")
 {
   // tolerances: 1e-3 × weight for forces, 1e-3 × weight × leg length for moments
-  const oracle::Ck ck;
+  const oracle::Biped ck;
   const Robot robot = ck.robot();
   const double force = 1e-3 * ck.mass() * ck.gravity;
   const double moment = force * (ck.l1 + ck.l2);
@@ -431,7 +431,7 @@ TEST_CASE("under-actuated motions are answered up to the tolerance and refused b
   // the trunk alone turns: a moment, and a force that stays below its tolerance
   const double I = ck.I3 + ck.m3 * ck.s3 * ck.s3;
   REQUIRE(moment / I * ck.m3 * ck.s3 > force);
-  oracle::Ck centred = ck;
+  oracle::Biped centred = ck;
   centred.s3 = 1e-6; // now its turning needs no force
   const Robot centred_robot = centred.robot();
   const auto turning = [&](double acceleration)
