@@ -22,8 +22,8 @@ struct Named
   Robot robot;
 };
 
-// every robot that ships, and random ones that have what those have not: rolling knees with each kind of motor, and a
-// rolling knee whose parent is the shin
+// every robot that ships, and random ones that have what those have not: rolling knees with each kind of motor, a
+// rolling knee whose parent is the shin, and whatever else can be described
 const std::vector<Named>& robots()
 {
   static const std::vector<Named> all = []
@@ -35,6 +35,10 @@ const std::vector<Named>& robots()
     for (const Placement knee : {Placement::links, Placement::bar_parent, Placement::bar_child})
       result.push_back({fmt::format("rk, {}", name_of(knee)), oracle::random_rk(random, knee).robot()});
     result.push_back({"six-link with rolling knees", oracle::SixLink{oracle::random_rk(random), Side::right}.robot()});
+    for (const bool fixed_root : {false, true})
+      for (int i = 0; i < 3; ++i)
+        result.push_back({fmt::format("tree {}, {}", i, fixed_root ? "fixed" : "floating"),
+                          oracle::random_tree(random, fixed_root)});
     return result;
   }();
   return all;
@@ -344,8 +348,12 @@ TEST_CASE("the motors of a floating robot cannot turn it as a whole, nor push it
     {
       CAPTURE(name);
       const auto B = input_matrix(robot);
-      CHECK(mismatch(B.topRows(robot.mechanism.num_theta()).colwise().sum(),
-                     Eigen::RowVectorXd::Zero(robot.num_joints()), 1e-15) == "");
+      // the turn of the whole robot: every angle alike, and no slide
+      Eigen::RowVectorXd turn = Eigen::RowVectorXd::Zero(robot.mechanism.num_q());
+      for (const Link& link : robot.links)
+        if (link.coordinate >= 0 && link.joint != JointKind::slide)
+          turn(link.coordinate) = 1.0;
+      CHECK(mismatch(turn * B, Eigen::RowVectorXd::Zero(robot.num_joints()), 1e-15) == "");
       CHECK(B.bottomRows<2>().isZero(0.0));
       CHECK(Eigen::FullPivLU<Eigen::MatrixXd>(B).rank() == robot.num_joints());
     }
@@ -419,7 +427,8 @@ TEST_CASE("generalized force is what Newton and Euler ask of every link", "[laws
             double potential = 0.0;
             for (std::size_t i = 0; i < centres.size(); ++i)
             {
-              const auto& [name, m, I] = std::tie(robot.links[i].name, robot.links[i].mass, robot.links[i].inertia);
+              const double m = robot.links[i].mass;
+              const double I = robot.links[i].inertia;
               const Moving& c = centres[i];
               const Moving& w = virtually[i];
               const Eigen::Vector2d needed = m * (c.a + Eigen::Vector2d(0.0, robot.mechanism.gravity()));

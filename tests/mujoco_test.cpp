@@ -239,6 +239,8 @@ std::vector<Named> robots()
     result.push_back(
         {"random six-link with rolling knees", oracle::SixLink{oracle::random_rk(random), Side::right}.robot(), 250});
   }
+  for (int i = 0; i < 20; ++i)
+    result.push_back({fmt::format("tree {}", i), oracle::random_tree(random, i % 2 == 0), 50});
   return result;
 }
 

@@ -1,8 +1,10 @@
 #include "oracles.h"
 
 #include <Eigen/Dense>
+#include <algorithm>
 #include <cmath>
 #include <complex>
+#include <fmt/format.h>
 #include <limits>
 #include <numbers>
 
@@ -829,6 +831,49 @@ Biped shipped_rk()
   rk.r2 = 0.035;
   rk.knee = Placement::bar_parent;
   return rk;
+}
+
+Robot random_tree(Random& random, bool fixed_root)
+{
+  Description description(uniform(random, 1.0, 20.0));
+  const auto place = [&]
+  {
+    return Eigen::Vector2d(uniform(random, -0.4, 0.4), uniform(random, -0.4, 0.4));
+  };
+  const auto body = [&](Link& link)
+  {
+    set_body(link, uniform(random, 0.5, 5.0), place(), uniform(random, 0.01, 0.5));
+  };
+  // each kind once, then any
+  std::vector<JointKind> kinds{JointKind::fixed, JointKind::rolling, JointKind::slide, JointKind::revolute};
+  if (fixed_root)
+    kinds.push_back(JointKind::parallel);
+  std::shuffle(kinds.begin(), kinds.end(), random);
+  constexpr std::size_t kLinks = 9;
+  while (kinds.size() < kLinks)
+    kinds.push_back(kinds[random() % 4]);
+
+  body(
+      description.link("root", fixed_root ? JointKind::fixed : JointKind::floating, fixed_root ? "world" : "", "root"));
+  std::vector<std::string> names{"root"};
+  for (const JointKind kind : kinds)
+  {
+    const std::string parent = names[random() % names.size()];
+    names.push_back(fmt::format("link{}", names.size()));
+    Link& link = description.link(names.back().c_str(), kind, parent.c_str(), names.back().c_str());
+    link.at = place();
+    body(link);
+    if (kind == JointKind::rolling || kind == JointKind::fixed || kind == JointKind::parallel)
+      link.angle = uniform(random, -2.0, 2.0);
+    if (kind == JointKind::rolling)
+    {
+      link.parent_radius = uniform(random, 0.02, 0.1);
+      link.child_radius = uniform(random, 0.02, 0.1);
+    }
+  }
+  description.foot(Side::left, fixed_root ? "root" : names[kLinks - 1].c_str(), -0.1, 0.2, -0.05, 0.6);
+  description.foot(Side::right, names[kLinks].c_str(), -0.1, 0.2, -0.05, 0.6);
+  return description.robot();
 }
 
 Motion random_motion(Random& random)

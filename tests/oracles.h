@@ -165,6 +165,10 @@ Itlag random_itlag(Random& random);
 /// The robot `rk`.
 Biped shipped_rk();
 
+/// A mechanism of no use, with every kind of joint that its root allows: links on turned and shifted links, bars that
+/// stand at an angle, slides on slides; feet at its last links, and at a fixed root.
+Robot random_tree(Random& random, bool fixed_root);
+
 /// A walking-like pose, and rates and accelerations of a few rad/s and rad/s².
 struct Motion
 {
