@@ -1,6 +1,6 @@
 #include "catch.h"
 #include "matchers.h"
-#include "random_state.h"
+#include "states.h"
 
 #include "daemon/answer_dynamics.h"
 
@@ -21,8 +21,8 @@ dynamics_request_t request_for(const Robot& robot, oracle::Random& random)
                                ? dynamics_request_t::SOLE
                                : dynamics_request_t::HEEL;
   if (robot.foot(Side::right).exists())
-    request.right_contact = dynamics_request_t::TOE;
-  const State state = random_state(random, robot);
+    request.right_contact = robot.is_root(robot.foot(Side::right)) ? dynamics_request_t::SOLE : dynamics_request_t::TOE;
+  const State state = of_mechanism(robot, random_state(random, robot));
   request.num_coordinates = robot.num_coordinates();
   const auto head = [&](const VectorQ& from)
   {
@@ -89,7 +89,7 @@ TEST_CASE("an answer is the equation of motion at the state that was asked for, 
           "[answer_dynamics]")
 {
   oracle::Random random(1);
-  for (const Robot& robot : all_kinds_of_robots())
+  for (const Robot& robot : all_kinds_of_motors())
     for (int i = 0; i < 20; ++i)
     {
       CAPTURE(robot.name, i);

@@ -1,6 +1,6 @@
 #include "catch.h"
 #include "matchers.h"
-#include "random_state.h"
+#include "states.h"
 
 #include "torque/checks.h"
 #include "torque/contacts.h"
@@ -80,7 +80,7 @@ TEST_CASE("six-link answers as ck does on its flat left foot, in single and in d
   for (const Contact right : {Contact::none, Contact::heel, Contact::sole, Contact::toe})
     for (int i = 0; i < 250; ++i)
     {
-      const State state = random_state(random, six);
+      const State state = of_mechanism(six, random_state(random, six));
       DesiredState of_six = standing(six, Contact::sole, right);
       DesiredState of_ck = standing(ck, Contact::sole, right);
       of_six.q = state.q;
@@ -113,7 +113,7 @@ TEST_CASE("a fixed root rests, whatever the other foot does", "[contacts]")
   for (const Contact right : {Contact::none, Contact::heel, Contact::sole, Contact::toe})
     for (const Side leading : kSides)
     {
-      const State state = random_state(random, six);
+      const State state = of_mechanism(six, random_state(random, six));
       DesiredState desired = standing(six, Contact::sole, right);
       desired.support.leading = leading;
       desired.q = state.q;
@@ -135,7 +135,7 @@ TEST_CASE("the ground holds a fixed root with the whole robot's force and moment
     for (int i = 0; i < 300; ++i)
     {
       CAPTURE(name, i);
-      const State state = random_state(random, robot);
+      const State state = of_mechanism(robot, random_state(random, robot));
       DesiredState desired = standing(robot, Contact::sole, Contact::none);
       desired.q = state.q;
       desired.v = state.v;

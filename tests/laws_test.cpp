@@ -16,40 +16,18 @@ namespace
 constexpr int kStates = 1000;
 constexpr double kRounding = 1e-12; // of some 20 terms of like size
 
-struct Named
+const std::vector<Robot>& robots()
 {
-  std::string name;
-  Robot robot;
-};
-
-// every robot that ships, and random ones that have what those have not: rolling knees with each kind of motor, a
-// rolling knee whose parent is the shin, and whatever else can be described
-const std::vector<Named>& robots()
-{
-  static const std::vector<Named> all = []
-  {
-    std::vector<Named> result;
-    for (const std::string_view name : shipped_robot_names())
-      result.push_back({std::string(name), load_robot(std::string(name))});
-    oracle::Random random(200);
-    for (const Placement knee : {Placement::links, Placement::bar_parent, Placement::bar_child})
-      result.push_back({fmt::format("rk, {}", name_of(knee)), oracle::random_rk(random, knee).robot()});
-    result.push_back({"six-link with rolling knees", oracle::SixLink{oracle::random_rk(random), Side::right}.robot()});
-    for (const bool fixed_root : {false, true})
-      for (int i = 0; i < 3; ++i)
-        result.push_back({fmt::format("tree {}, {}", i, fixed_root ? "fixed" : "floating"),
-                          oracle::random_tree(random, fixed_root)});
-    return result;
-  }();
+  static const std::vector<Robot> all = all_kinds_of_robots();
   return all;
 }
 
 // some states of each robot, the same ones whatever else is computed
 template <typename Check> void for_all(int states, const Check& check)
 {
-  for (const auto& [name, robot] : robots())
+  for (const Robot& robot : robots())
   {
-    CAPTURE(name);
+    CAPTURE(robot.name);
     oracle::Random random(201);
     for (int i = 0; i < states; ++i)
     {
@@ -182,11 +160,6 @@ std::vector<Moving> centres_of_mass(const Robot& robot, const State& state)
     centres[static_cast<std::size_t>(i)] = frame.at(link.com);
   }
   return centres;
-}
-
-State of_mechanism(const Robot& robot, const State& state)
-{
-  return {of_mechanism(robot, state.q), of_mechanism(robot, state.v), of_mechanism(robot, state.a)};
 }
 
 } // namespace
@@ -343,10 +316,10 @@ TEST_CASE("power and kinetic energy are the same in both kinds of coordinates", 
 
 TEST_CASE("the motors of a floating robot cannot turn it as a whole, nor push it", "[laws]")
 {
-  for (const auto& [name, robot] : robots())
+  for (const Robot& robot : robots())
     if (!robot.fixed_root())
     {
-      CAPTURE(name);
+      CAPTURE(robot.name);
       const auto B = input_matrix(robot);
       // the turn of the whole robot: every angle alike, and no slide
       Eigen::RowVectorXd turn = Eigen::RowVectorXd::Zero(robot.mechanism.num_q());
@@ -447,10 +420,9 @@ TEST_CASE("generalized force is what Newton and Euler ask of every link", "[laws
 TEST_CASE("a rotor's inertia adds B diag(I) Bᵀ to the mass matrix", "[laws]")
 {
   oracle::Random random(202);
-  for (Named named : robots())
+  for (Robot robot : robots())
   {
-    CAPTURE(named.name);
-    Robot& robot = named.robot;
+    CAPTURE(robot.name);
     const int joints = robot.num_joints();
     Eigen::VectorXd I(joints);
     for (int j = 0; j < joints; ++j)

@@ -1,6 +1,6 @@
 #include "catch.h"
 #include "matchers.h"
-#include "random_state.h"
+#include "states.h"
 
 #include "planar/dynamics.h"
 #include "robot/newton_euler.h"
@@ -76,9 +76,9 @@ TEST_CASE("torques and the whole robot's residual equal those of the closed form
     for (int i = 0; i < kStates; ++i)
     {
       CAPTURE(robot.name, i);
-      const State state = random_state(random, robot);
+      const State state = of_mechanism(robot, random_state(random, robot));
       const Ground ground = random_ground(random, robot);
-      const Kinematics now = state.now(robot);
+      const Kinematics now = kinematics(robot.mechanism, state.q, state.v);
       const VectorQ rest = inverse_dynamics(robot.mechanism, now, state.a) - generalized(robot, now, ground);
       const NewtonEuler found = newton_euler(robot, state.q, state.v, state.a, ground);
 
@@ -106,9 +106,9 @@ TEST_CASE("each joint carries what Newton's and Euler's equations of all beyond 
       for (int i = 0; i < kStates / 20; ++i)
       {
         CAPTURE(robot.name, robot.link(joint).name, i);
-        const State state = random_state(random, robot);
+        const State state = of_mechanism(robot, random_state(random, robot));
         const Ground ground = random_ground(random, robot);
-        const Kinematics now = state.now(robot);
+        const Kinematics now = kinematics(robot.mechanism, state.q, state.v);
         Eigen::Vector3d needed = on_the_whole(robot, inverse_dynamics(part, now, state.a));
         for (const Side side : kSides)
           if (const Foot& foot = robot.foot(side); foot.exists() && carries(robot, joint, foot.link))
@@ -133,7 +133,7 @@ TEST_CASE("a rolling joint's wrench acts where the circles touch, and its moment
   const Robot robot = load_robot("rk");
   for (int i = 0; i < kStates; ++i)
   {
-    const State state = random_state(random, robot);
+    const State state = of_mechanism(robot, random_state(random, robot));
     const NewtonEuler found = newton_euler(robot, state.q, state.v, state.a, random_ground(random, robot));
     // r1 = 0.05 on the shin, r2 = 0.035 on the thigh, l2' = 0.365; knees turn the thigh against the shin
     const auto knee = [&](int thigh, int shin)
@@ -162,7 +162,7 @@ TEST_CASE("with a fixed root the root's wrench is the ground reaction", "[newton
   const Ground none{Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero()};
   for (int i = 0; i < kStates; ++i)
   {
-    const State state = random_state(random, six);
+    const State state = of_mechanism(six, random_state(random, six));
     const NewtonEuler found = newton_euler(six, state.q, state.v, state.a, none);
     const JointWrench& root = found.joints[static_cast<std::size_t>(six.root())];
 

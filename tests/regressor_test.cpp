@@ -1,6 +1,6 @@
 #include "catch.h"
 #include "matchers.h"
-#include "random_state.h"
+#include "states.h"
 
 #include "planar/dynamics.h"
 #include "torque/joint_friction.h"
@@ -18,7 +18,7 @@ constexpr int kStates = 1000;
 
 Motion motion_of(const Robot& robot, const State& state)
 {
-  return {state.now(robot), state.v, state.a};
+  return {kinematics(robot.mechanism, state.q, state.v), state.v, state.a};
 }
 
 Eigen::VectorXd values(const std::vector<BaseParameter>& parameters)
@@ -49,15 +49,15 @@ double value_of(const std::vector<BaseParameter>& parameters, const std::string&
 TEST_CASE("Y alpha is the generalized force, friction and rotors included", "[regressor]")
 {
   oracle::Random random(1);
-  for (const Robot& robot : all_kinds_of_robots())
+  for (const Robot& robot : all_kinds_of_motors())
   {
     const std::vector<BaseParameter> parameters = base_parameters(robot);
     const Eigen::VectorXd alpha = values(parameters);
     for (int i = 0; i < kStates; ++i)
     {
       CAPTURE(robot.name, i);
-      const State state = random_state(random, robot);
-      VectorQ r = inverse_dynamics(robot.mechanism, state.now(robot), state.a);
+      const State state = of_mechanism(robot, random_state(random, robot));
+      VectorQ r = inverse_dynamics(robot.mechanism, kinematics(robot.mechanism, state.q, state.v), state.a);
       r.head(robot.mechanism.num_theta()) += joint_forces(robot, joint_friction(robot, state.v, state.a));
       const Eigen::MatrixXd Y = regressor(robot, parameters, motion_of(robot, state));
       CHECK(mismatch((Y * alpha).head(shown_rows(robot)), r.head(shown_rows(robot)), 1e-10) == "");
@@ -68,7 +68,7 @@ TEST_CASE("Y alpha is the generalized force, friction and rotors included", "[re
 TEST_CASE("base parameters are as many as the rank of Y: 10 for pin knees, 11 for rolling knees", "[regressor]")
 {
   oracle::Random random(2);
-  for (const Robot& robot : all_kinds_of_robots())
+  for (const Robot& robot : all_kinds_of_motors())
   {
     CAPTURE(robot.name);
     const std::vector<BaseParameter> parameters = base_parameters(robot);
@@ -76,7 +76,8 @@ TEST_CASE("base parameters are as many as the rank of Y: 10 for pin knees, 11 fo
     Eigen::MatrixXd stacked(200 * rows, static_cast<Eigen::Index>(parameters.size()));
     for (int i = 0; i < 200; ++i)
       stacked.middleRows(i * rows, rows) =
-          regressor(robot, parameters, motion_of(robot, random_state(random, robot))).topRows(rows);
+          regressor(robot, parameters, motion_of(robot, of_mechanism(robot, random_state(random, robot))))
+              .topRows(rows);
     // columns of one size, so that the smallest singular value tells dependence from small units
     stacked.colwise().normalize();
     const Eigen::VectorXd singular = stacked.jacobiSvd().singularValues();
@@ -117,9 +118,10 @@ TEST_CASE("the rank of the regressor of all standard parameters is that of the b
     Eigen::MatrixXd stacked(100 * 9, 13);
     for (int i = 0; i < 100; ++i)
     {
-      const State state = random_state(random, robot);
+      const State state = of_mechanism(robot, random_state(random, robot));
       for (int k = 0; k < 13; ++k)
-        stacked.block<9, 1>(9 * i, k) = inverse_dynamics(units[static_cast<std::size_t>(k)], state.now(robot), state.a);
+        stacked.block<9, 1>(9 * i, k) = inverse_dynamics(units[static_cast<std::size_t>(k)],
+                                                         kinematics(robot.mechanism, state.q, state.v), state.a);
     }
     stacked.colwise().normalize();
     Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(stacked);

@@ -5,7 +5,10 @@
 
 #include "torque/equation_of_motion.h"
 
+#include <fmt/format.h>
 #include <stdexcept>
+#include <string>
+#include <vector>
 
 namespace torqued
 {
@@ -38,6 +41,51 @@ inline VectorQ of_mechanism(const Robot& robot, const Eigen::VectorXd& values)
   if (!robot.fixed_root())
     all.tail<2>() = values.tail<2>();
   return all;
+}
+
+inline State of_mechanism(const Robot& robot, const State& state)
+{
+  return {of_mechanism(robot, state.q), of_mechanism(robot, state.v), of_mechanism(robot, state.a)};
+}
+
+/// Every robot that ships, and random ones, named for what they have that those have not: rolling knees with each kind
+/// of motor, a rolling knee whose parent is the shin, and whatever else can be described.
+inline std::vector<Robot> all_kinds_of_robots()
+{
+  std::vector<Robot> robots;
+  const auto add = [&robots](std::string name, Robot robot)
+  {
+    robot.name = std::move(name);
+    robots.push_back(std::move(robot));
+  };
+  for (const std::string_view name : shipped_robot_names())
+    robots.push_back(load_robot(std::string(name)));
+  oracle::Random random(200);
+  for (const Placement knee : {Placement::links, Placement::bar_parent, Placement::bar_child})
+    add(fmt::format("rk, {}", name_of(knee)), oracle::random_rk(random, knee).robot());
+  add("six-link with rolling knees", oracle::SixLink{oracle::random_rk(random), Side::right}.robot());
+  for (const bool fixed_root : {false, true})
+    for (int i = 0; i < 3; ++i)
+      add(fmt::format("tree {}, {}", i, fixed_root ? "fixed" : "floating"), oracle::random_tree(random, fixed_root));
+  return robots;
+}
+
+/// The same with rotors and friction on the motors of those that do not ship.
+inline std::vector<Robot> all_kinds_of_motors()
+{
+  std::vector<Robot> robots = all_kinds_of_robots();
+  oracle::Random random(203);
+  for (std::size_t i = shipped_robot_names().size(); i < robots.size(); ++i)
+    for (Actuator& actuator : robots[i].actuators)
+    {
+      actuator.rotor_inertia = oracle::uniform(random, 0.1, 1.0);
+      actuator.coulomb = oracle::uniform(random, 0.1, 2.0);
+      actuator.viscous = oracle::uniform(random, 0.1, 2.0);
+      actuator.stribeck = oracle::uniform(random, 0.1, 2.0);
+      actuator.stribeck_velocity = oracle::uniform(random, 0.5, 2.0);
+      actuator.friction_offset = oracle::uniform(random, -1.0, 1.0);
+    }
+  return robots;
 }
 
 /// The contacts, a fixed root's own included.

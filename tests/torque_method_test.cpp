@@ -1,6 +1,6 @@
 #include "catch.h"
 #include "matchers.h"
-#include "random_state.h"
+#include "states.h"
 
 #include "torque/checks.h"
 
@@ -515,7 +515,7 @@ TEST_CASE("motors give what rotors and friction take on top, and the ground feel
     for (int i = 0; i < 200; ++i)
     {
       CAPTURE(name, i);
-      const State state = random_state(random, ideal);
+      const State state = of_mechanism(ideal, random_state(random, ideal));
       DesiredState desired{};
       desired.base_given = !ideal.fixed_root();
       desired.support = {{Contact::sole, Contact::heel}, Side::right, 0.4, 0.0};

@@ -151,7 +151,9 @@ Eigen::MatrixXd stacked_regressor(const Robot& robot, const std::vector<BasePara
 
 std::vector<BaseParameter> base_parameters(const Robot& robot)
 {
-  const std::vector<BaseParameter> standard = standard_parameters(robot);
+  std::vector<BaseParameter> standard = standard_parameters(robot);
+  const std::vector<BaseParameter> motors = motor_parameters(robot);
+  standard.insert(standard.end(), motors.begin(), motors.end());
   const Eigen::MatrixXd Y = stacked_regressor(robot, standard);
 
   // keep each column that those kept before do not give (Gram and Schmidt, twice for rounding's sake), and add the
@@ -191,9 +193,6 @@ std::vector<BaseParameter> base_parameters(const Robot& robot)
             standard[i].name);
       }
   }
-
-  const std::vector<BaseParameter> motors = motor_parameters(robot);
-  parameters.insert(parameters.end(), motors.begin(), motors.end());
   return parameters;
 }
 

@@ -20,7 +20,7 @@ namespace torqued
 /// numbers are copies of one link (left and right), and what is 0 is no parameter (a centre of mass on the link's
 /// axis). Of what is left, not everything shows in a motion; base parameters are those sums of it that do, as many as
 /// the rank of Y. A motor adds those of I, κ_c, κ_v, κ_s and κ_o that are not 0 (joint_friction.h); η_s is no
-/// parameter, because the equation is not linear in it.
+/// parameter, because the equation is not linear in it; a rotor that only turns with a link is part of it.
 struct BaseParameter
 {
   std::string name; ///< e.g. "I(left_shin, right_shin) + 0.1521 m(left_foot, right_foot)"
@@ -33,7 +33,8 @@ struct BaseParameter
 /// The base parameters of a robot, in the order of the columns of Y.
 ///
 /// A parameter is left out if its column depends on those before it, at states drawn once and for all; inertias and
-/// moments come before masses, and the root's mass first, so that its sum is the robot's whole mass.
+/// moments come before masses, and the root's mass first, so that its sum is the robot's whole mass;
+/// motors come last.
 std::vector<BaseParameter> base_parameters(const Robot& robot);
 
 /// Y, num_q() × parameters.
