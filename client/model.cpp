@@ -1,4 +1,5 @@
 #include "client/subcommands.h"
+#include "robot/robot_files.h"
 #include "robot/strict_toml.h"
 
 #include <CLI/CLI.hpp>
@@ -18,7 +19,8 @@ namespace
 struct Options
 {
   std::string robot = "ck";
-  bool list = false, toml = false;
+  std::string toml_for; // a URDF's name
+  bool list = false, toml = false, urdf = false;
 };
 
 std::string point(const Eigen::Vector2d& at)
@@ -56,14 +58,28 @@ const std::string& link_name(const Robot& robot, int link)
   return link < 0 ? world : robot.links[static_cast<std::size_t>(link)].name;
 }
 
+// what the columns do not say of a joint
+std::string joint_details(const Link& link)
+{
+  std::string text;
+  if (link.joint == JointKind::rolling)
+    text = fmt::format("  radii {:.4g} m of the parent, {:.4g} m of its own", link.parent_radius, link.child_radius);
+  if (link.angle == 0.0)
+    return text;
+  const std::string_view against = link.joint == JointKind::parallel  ? "against the world"
+                                   : link.joint == JointKind::rolling ? "of the bar"
+                                                                      : "against the parent";
+  return fmt::format("{}{} angle {:.4g} rad {}", text, text.empty() ? " " : ",", link.angle, against);
+}
+
 void print_links(const Robot& robot)
 {
   fmt::print("\nlinks: x forward, z up in the link's frame, at its joint to the parent\n"
              "  {:<16} {:<16} {:<9} {:<18} {:>8}  {:<18} {:>12}\n",
              "name", "parent", "joint", "at (m)", "mass kg", "com (m)", "inertia kg m²");
   for (const Link& link : robot.links)
-    fmt::print("  {:<16} {:<16} {:<9} {:<18} {:>8.4g}  {:<18} {:>12.4g}\n", link.name, link_name(robot, link.parent),
-               name_of(link.joint), point(link.at), link.mass, point(link.com), link.inertia);
+    fmt::print("  {:<16} {:<16} {:<9} {:<18} {:>8.4g}  {:<18} {:>12.4g}{}\n", link.name, link_name(robot, link.parent),
+               name_of(link.joint), point(link.at), link.mass, point(link.com), link.inertia, joint_details(link));
 }
 
 void print_coordinates(const Robot& robot)
@@ -82,15 +98,36 @@ void print_coordinates(const Robot& robot)
     fmt::print("base point: {}, m\n", fmt::join(robot.base_names, ", "));
 }
 
+// what the columns do not say of an actuator
+std::string actuator_details(const Actuator& actuator)
+{
+  std::string text;
+  const auto add = [&text](double value, std::string_view name, std::string_view unit)
+  {
+    if (value != 0.0)
+      text += fmt::format("{} {} {:.4g} {}", text.empty() ? " " : ",", name, value, unit);
+  };
+  if (actuator.placement != Placement::links)
+    text = fmt::format("  between {}, kappa {:.4g}", name_of(actuator.placement), actuator.kappa);
+  add(actuator.rotor_inertia, "rotor inertia", "kg m²");
+  add(actuator.coulomb, "Coulomb friction", "N m");
+  add(actuator.viscous, "viscous friction", "N m s/rad");
+  add(actuator.stribeck, "Stribeck friction", "N m");
+  if (actuator.stribeck != 0.0)
+    add(actuator.stribeck_velocity, "at", "rad/s");
+  add(actuator.friction_offset, "friction offset", "N m");
+  return text;
+}
+
 void print_actuators(const Robot& robot)
 {
   fmt::print("\nactuators: a positive torque turns `on` counter-clockwise and pushes back on `against`\n"
              "  {:<16} {:<16} {:<16} {:<14} {}\n",
              "name", "on", "against", "torque limit", "rate limit");
   for (const Actuator& actuator : robot.actuators)
-    fmt::print("  {:<16} {:<16} {:<16} {:<14} {}\n", actuator.name, link_name(robot, actuator.on),
+    fmt::print("  {:<16} {:<16} {:<16} {:<14} {}{}\n", actuator.name, link_name(robot, actuator.on),
                link_name(robot, actuator.against), limit(actuator.torque_limit, "N m"),
-               limit(actuator.rate_limit, "N m/s"));
+               limit(actuator.rate_limit, "N m/s"), actuator_details(actuator));
 }
 
 void print_feet(const Robot& robot)
@@ -106,6 +143,16 @@ void print_feet(const Robot& robot)
                                      : "  (no extent: cannot stand on a sole)");
 }
 
+// The whole robot as one TOML file: its own, unless that is not all of it.
+std::string whole_toml(const std::string& name_or_path, const Robot& robot)
+{
+  if (const std::string_view shipped = shipped_robot_toml(name_or_path); !shipped.empty())
+    return std::string(shipped);
+  const std::string text = read_text_file(name_or_path);
+  const bool whole = name_or_path.ends_with(".toml") && !parse_toml(text, name_or_path).contains("urdf");
+  return whole ? text : to_toml(robot);
+}
+
 ExitCode model(const Options& options)
 {
   if (options.list)
@@ -114,10 +161,11 @@ ExitCode model(const Options& options)
     return ExitCode::done;
   }
   const Robot robot = load_robot(options.robot);
-  if (options.toml)
+  if (options.toml || options.urdf || !options.toml_for.empty())
   {
-    const std::string_view shipped = shipped_robot_toml(options.robot);
-    fmt::print("{}", shipped.empty() ? read_text_file(options.robot) : shipped);
+    fmt::print("{}", options.toml   ? whole_toml(options.robot, robot)
+                     : options.urdf ? to_urdf(robot)
+                                    : to_companion_toml(robot, options.toml_for));
     return ExitCode::done;
   }
   fmt::print("{}: {:.6g} kg, gravity {:g} m/s², leg length {:.4g} m, model_id {}\n", robot.name, robot.mechanism.mass(),
@@ -139,10 +187,23 @@ Subcommand add_model(CLI::App& torquectl)
   CLI::App* app = torquectl.add_subcommand("model", "say what a robot means: links, coordinates, actuators, feet");
   add_robot_option(*app, options->robot, "default: ck");
   CLI::Option* list = app->add_flag("--list", options->list, "list the robots that ship");
-  app->add_flag("--toml", options->toml, "print the robot's file: a start for a robot of one's own")->excludes(list);
-  app->footer("Example:\n"
+  CLI::Option* toml =
+      app->add_flag("--toml", options->toml, "print the robot's whole file: a start for a robot of one's own")
+          ->excludes(list);
+  CLI::Option* urdf =
+      app->add_flag("--urdf", options->urdf, "print its links and joints as a URDF")->excludes(list)->excludes(toml);
+  app->add_option("--toml-for", options->toml_for,
+                  "print what its URDF leaves out, feet, limits and more, as a TOML file that names this URDF")
+      ->type_name("FILE.urdf")
+      ->excludes(list)
+      ->excludes(toml)
+      ->excludes(urdf);
+  app->footer("Examples:\n"
               "  torquectl model --robot ck --toml > /tmp/mine.toml\n"
-              "  torquectl model --robot /tmp/mine.toml");
+              "  torquectl model --robot /tmp/mine.toml\n\n"
+              "  torquectl model --robot ck --urdf > /tmp/ck.urdf\n"
+              "  torquectl model --robot ck --toml-for ck.urdf > /tmp/ck.toml\n"
+              "  torquectl model --robot /tmp/ck.toml");
   return {app, [options]
           {
             return model(*options);

@@ -99,9 +99,9 @@ catch (const std::exception& error)
 void add_robot_option(CLI::App& subcommand, std::string& robot, const std::string& without)
 {
   subcommand
-      .add_option(
-          "--robot", robot,
-          fmt::format("a robot that ships ({}) or a .toml file; {}", fmt::join(shipped_robot_names(), ", "), without))
+      .add_option("--robot", robot,
+                  fmt::format("a robot that ships ({}) or a .toml or .urdf file; {}",
+                              fmt::join(shipped_robot_names(), ", "), without))
       ->type_name("NAME|FILE");
 }
 

@@ -285,7 +285,7 @@ TEST_CASE("a file that is no robot at all is refused", "[robot]")
   {
     CHECK(std::string(error.what()) ==
           "\"no-such-robot\" is neither a robot that ships (ck, rk, six-link, compass, bip-itlag, human-subject01, "
-          "rabbit) nor a .toml file");
+          "rabbit) nor a .toml or .urdf file");
   }
   CHECK_THROWS_AS(load_robot("/no/such/file.toml"), FileError);
   CHECK_THROWS_AS(load_robot("/tmp/.toml"), FileError);

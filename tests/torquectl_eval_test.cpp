@@ -475,7 +475,7 @@ TEST_CASE("what cannot be done ends with its exit code and one line", "[torquect
       {{"eval", kWalk, "-o", out, "--robot", "x"},
        78,
        "\"x\" is neither a robot that ships (ck, rk, six-link, compass, bip-itlag, human-subject01, rabbit) nor a "
-       ".toml file"},
+       ".toml or .urdf file"},
       {{"model", "--robot", folder.file("x.toml")},
        78,
        folder.file("x.toml") + ": cannot be read: No such file or directory"},

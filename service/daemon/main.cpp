@@ -4,6 +4,7 @@
 #include "wire/bus_trouble.h"
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <cstdio>
 #include <cstdlib>
 #include <fmt/format.h>
@@ -46,9 +47,9 @@ std::optional<Config> configure(int argc, char** argv)
   std::optional<std::string> file, robot, method, lcm_url, prefix, log_level;
   bool every_sample = false;
   bool print_config = false;
-  app.add_option(
-         "--robot", robot,
-         fmt::format("a robot that ships ({}) or a .toml file; default: ck", fmt::join(shipped_robot_names(), ", ")))
+  app.add_option("--robot", robot,
+                 fmt::format("a robot that ships ({}) or a .toml or .urdf file; default: ck",
+                             fmt::join(shipped_robot_names(), ", ")))
       ->type_name("NAME|FILE");
   app.add_option("--config", file, "a TOML file that sets what flags do not")->type_name("FILE");
   app.add_option(
@@ -130,6 +131,9 @@ int serve(const Config& config)
                                            bus_trouble(config.lcm_url))};
   log->info("answering {} on {}TORQUED_DESIRED, {:.1f} kg, {} joints, method {}", robot.name, config.prefix,
             robot.mechanism.mass(), robot.num_joints(), name_of(config.answers.methods.method));
+  if (std::none_of(robot.feet.begin(), robot.feet.end(), [](const Foot& foot) { return foot.exists(); }))
+    log->warn("{} has no feet: no contact with the ground is possible; a TOML file with [[foot]] tables gives it some",
+              robot.name);
   flush_denormals();
   loop.listen();
   loop.run(stop_fd);

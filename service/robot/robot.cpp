@@ -67,11 +67,20 @@ private:
     throw FileError(fmt::format("{}:{}: {}", description_.file, line, message));
   }
 
-  int link_index(const std::string& name, int line, std::string_view role) const
+  // entry: of a link, an actuator or a foot
+  template <typename Entry> [[noreturn]] void fail(const Entry& entry, const std::string& message) const
+  {
+    if constexpr (requires { entry.file; })
+      if (!entry.file.empty())
+        throw FileError(fmt::format("{}:{}: {}", entry.file, entry.line, message));
+    fail(entry.line, message);
+  }
+
+  template <typename Entry> int link_index(const std::string& name, const Entry& entry, std::string_view role) const
   {
     const auto found = index_.find(name);
     if (found == index_.end())
-      fail(line, fmt::format("{} \"{}\" is not the name of a link", role, name));
+      fail(entry, fmt::format("{} \"{}\" is not the name of a link", role, name));
     return found->second;
   }
 
@@ -80,12 +89,12 @@ private:
     if (description_.links.empty())
       fail(1, "there is no [[link]]; a robot needs at least its root");
     if (description_.links.size() > kMaxLinks)
-      fail(description_.links[kMaxLinks].line,
+      fail(description_.links[kMaxLinks],
            fmt::format("there are {} links; at most {} are possible", description_.links.size(), kMaxLinks));
     for (const auto& entry : description_.links)
     {
       if (!index_.emplace(entry.link.name, static_cast<int>(links_.size())).second)
-        fail(entry.line, fmt::format("two links are called \"{}\"; names must differ", entry.link.name));
+        fail(entry, fmt::format("two links are called \"{}\"; names must differ", entry.link.name));
       links_.push_back(entry.link);
     }
     for (std::size_t i = 0; i < links_.size(); ++i)
@@ -93,18 +102,18 @@ private:
       const auto& entry = description_.links[i];
       const bool on_world = entry.parent == kWorld;
       if (links_[i].joint != JointKind::floating && !on_world)
-        links_[i].parent = link_index(entry.parent, entry.line, fmt::format("link '{}': parent", links_[i].name));
+        links_[i].parent = link_index(entry.parent, entry, fmt::format("link '{}': parent", links_[i].name));
       else if (on_world && links_[i].joint != JointKind::fixed)
-        fail(entry.line, fmt::format("link '{}' is {} on the world; a root that does not float is fixed there",
-                                     links_[i].name, name_of(links_[i].joint)));
+        fail(entry, fmt::format("link '{}' is {} on the world; a root that does not float is fixed there",
+                                links_[i].name, name_of(links_[i].joint)));
       else if (root_ >= 0)
-        fail(entry.line, fmt::format("links '{}' and '{}' are both roots; one root carries all others",
-                                     links_[static_cast<std::size_t>(root_)].name, links_[i].name));
+        fail(entry, fmt::format("links '{}' and '{}' are both roots; one root carries all others",
+                                links_[static_cast<std::size_t>(root_)].name, links_[i].name));
       else
         root_ = static_cast<int>(i);
     }
     if (root_ < 0)
-      fail(description_.links.front().line,
+      fail(description_.links.front(),
            "there is no root: one link must have joint = \"floating\", or joint = \"fixed\" and parent = \"world\"");
     order_from_root();
   }
@@ -119,7 +128,7 @@ private:
           order_.push_back(static_cast<int>(i));
     for (std::size_t i = 0; i < links_.size(); ++i)
       if (std::find(order_.begin(), order_.end(), static_cast<int>(i)) == order_.end())
-        fail(description_.links[i].line,
+        fail(description_.links[i],
              fmt::format("link '{}' does not hang on the root: its parents form a circle", links_[i].name));
   }
 
@@ -133,8 +142,8 @@ private:
       links_[i].coordinate = num_theta_++;
       absolute_names_.push_back(description_.links[i].coordinate);
       if (num_theta_ + (fixed_root() ? 1 : 0) + 2 > kMaxCoordinates)
-        fail(description_.links[i].line, fmt::format("link '{}' is one too many that moves; at most {} are possible",
-                                                     links_[i].name, num_theta_ - 1));
+        fail(description_.links[i], fmt::format("link '{}' is one too many that moves; at most {} are possible",
+                                                links_[i].name, num_theta_ - 1));
     }
     if (fixed_root())
       links_[static_cast<std::size_t>(root_)].coordinate = num_theta_++;
@@ -160,10 +169,10 @@ private:
       {
       case JointKind::floating:
       case JointKind::revolute: break;
-      case JointKind::rolling: place_rolling(link, parent, description_.links[static_cast<std::size_t>(i)].line); break;
+      case JointKind::rolling: place_rolling(link, parent, description_.links[static_cast<std::size_t>(i)]); break;
       case JointKind::parallel:
         if (!fixed_root())
-          fail(description_.links[static_cast<std::size_t>(i)].line,
+          fail(description_.links[static_cast<std::size_t>(i)],
                fmt::format("link '{}' is parallel to the world, but the root floats: nothing could hold it; the root "
                            "must be fixed to the world",
                            link.name));
@@ -184,11 +193,11 @@ private:
   }
 
   // the bar between the circles' centres is a direction of its own: γ = share_p φ_parent + share_c φ + angle
-  void place_rolling(Link& link, const Link& parent, int line)
+  void place_rolling(Link& link, const Link& parent, const RobotDescription::LinkEntry& entry)
   {
     const double length = link.parent_radius + link.child_radius;
     if (!(length > 0.0))
-      fail(line,
+      fail(entry,
            fmt::format("link '{}': parent_radius and child_radius are both 0; that is a revolute joint", link.name));
     const int bar =
         add_direction(link.parent_share() * W_.row(parent.direction) + link.child_share() * W_.row(link.coordinate));
@@ -228,7 +237,7 @@ private:
       mass += link.mass;
     }
     if (!(mass > 0.0))
-      fail(description_.links.front().line, "all links are massless; the robot's mass must be positive");
+      fail(description_.links.front(), "all links are massless; the robot's mass must be positive");
     return Mechanism(W_, bodies, description_.gravity);
   }
 
@@ -243,7 +252,7 @@ private:
         actuator.name = link.name;
         actuator.torque_limit = actuator.rate_limit = INFINITY;
         entries.push_back({actuator, link.name, links_[static_cast<std::size_t>(link.parent)].name, link.name, 0.0,
-                           description_.links[i].line});
+                           description_.links[i].line, description_.links[i].file});
       }
     return entries;
   }
@@ -252,11 +261,16 @@ private:
   void add_actuators(Robot& robot)
   {
     const auto entries = description_.actuators.empty() ? default_actuators() : description_.actuators;
-    const int last_line = entries.empty() ? description_.links.front().line : entries.back().line;
+    const auto fail_at_last = [&](const std::string& message)
+    {
+      if (entries.empty())
+        fail(description_.links.front(), message);
+      fail(entries.back(), message);
+    };
     if (static_cast<int>(entries.size()) != num_theta_ - 1)
-      fail(last_line,
-           fmt::format("there are {} actuators; a robot needs one for each link that moves against the others, {}",
-                       entries.size(), num_theta_ - 1));
+      fail_at_last(
+          fmt::format("there are {} actuators; a robot needs one for each link that moves against the others, {}",
+                      entries.size(), num_theta_ - 1));
     robot.A = MatrixQ::Zero(num_theta_, num_theta_);
     robot.b = VectorQ::Zero(num_theta_);
     robot.kappa.resize(num_theta_ - 1);
@@ -265,12 +279,12 @@ private:
       const int row = robot.num_joints();
       Actuator actuator = entry.actuator;
       const std::string role = fmt::format("actuator '{}'", actuator.name);
-      actuator.on = link_index(entry.on, entry.line, role + ": on");
+      actuator.on = link_index(entry.on, entry, role + ": on");
       if (entry.against == kWorld && !fixed_root())
-        fail(entry.line, fmt::format("{}: against the world, but the root floats: a robot that nothing holds can push "
-                                     "against its own links only",
-                                     role));
-      actuator.against = entry.against == kWorld ? root_ : link_index(entry.against, entry.line, role + ": against");
+        fail(entry, fmt::format("{}: against the world, but the root floats: a robot that nothing holds can push "
+                                "against its own links only",
+                                role));
+      actuator.against = entry.against == kWorld ? root_ : link_index(entry.against, entry, role + ": against");
       const Link& on = links_[static_cast<std::size_t>(actuator.on)];
       const Link& against = links_[static_cast<std::size_t>(actuator.against)];
       if (on.joint == JointKind::slide && on.parent == actuator.against)
@@ -281,10 +295,10 @@ private:
         robot.b(row) = on.direction_angle - against.direction_angle;
       }
       if (robot.A.row(row).isZero(0.0))
-        fail(entry.line,
-             fmt::format("{}: '{}' and '{}' do not turn against each other", role, entry.on, entry.against));
+        fail(entry, fmt::format("{}: '{}' and '{}' do not turn against each other", role, entry.on, entry.against));
       robot.b(row) += entry.offset;
-      actuator.kappa = robot.kappa(row) = kappa(actuator, entry.line);
+      actuator.offset = entry.offset;
+      actuator.kappa = robot.kappa(row) = kappa(actuator, entry);
       robot.relative_names.push_back(entry.coordinate);
       robot.actuators.push_back(actuator);
     }
@@ -295,11 +309,11 @@ private:
 
     const Eigen::FullPivLU<MatrixQ> lu(robot.A);
     if (!lu.isInvertible())
-      fail(last_line, "the actuators do not reach every link that moves: some push between the same links");
+      fail_at_last("the actuators do not reach every link that moves: some push between the same links");
     robot.A_inverse = lu.inverse();
   }
 
-  double kappa(const Actuator& actuator, int line) const
+  double kappa(const Actuator& actuator, const RobotDescription::ActuatorEntry& entry) const
   {
     if (actuator.placement == Placement::links)
       return 1.0;
@@ -311,13 +325,14 @@ private:
     else if (against.joint == JointKind::rolling && against.parent == actuator.on)
       child = &against;
     if (!child)
-      fail(line, fmt::format("actuator '{}': between = \"{}\", but there is no rolling joint between its links",
-                             actuator.name, name_of(actuator.placement)));
+      fail(entry, fmt::format("actuator '{}': between = \"{}\", but there is no rolling joint between its links",
+                              actuator.name, name_of(actuator.placement)));
     const double kappa = actuator.placement == Placement::bar_parent ? child->child_share() : child->parent_share();
     if (!(kappa > 0.0))
-      fail(line, fmt::format("actuator '{}': between = \"{}\", but these two do not turn against each other, because a "
-                             "radius of the joint of '{}' is 0",
-                             actuator.name, name_of(actuator.placement), child->name));
+      fail(entry,
+           fmt::format("actuator '{}': between = \"{}\", but these two do not turn against each other, because a "
+                       "radius of the joint of '{}' is 0",
+                       actuator.name, name_of(actuator.placement), child->name));
     return kappa;
   }
 
@@ -329,26 +344,25 @@ private:
       const auto side = static_cast<std::size_t>(entry.foot.side);
       const std::string role = fmt::format("{} foot", name_of(entry.foot.side));
       if (seen[side])
-        fail(entry.line, fmt::format("there is a second {}; a biped has one on each side", role));
+        fail(entry, fmt::format("there is a second {}; a biped has one on each side", role));
       seen[side] = true;
       Foot& foot = robot.feet[side] = entry.foot;
-      foot.link = link_index(entry.link, entry.line, role + ": link");
+      foot.link = link_index(entry.link, entry, role + ": link");
       const Link& link = links_[static_cast<std::size_t>(foot.link)];
       foot.ankle = point_of(link, foot.ankle_at);
       foot.heel = point_of(link, foot.heel_at);
       foot.toe = point_of(link, foot.toe_at);
       if (foot.has_extent() && (foot.heel_at.y() != foot.toe_at.y() || !(foot.heel_at.x() < foot.toe_at.x())))
-        fail(entry.line,
-             fmt::format("{}: heel is at ({}, {}) and toe at ({}, {}); the toe must lie before the heel and "
-                         "as high as it, so that the sole is level when the foot's angle is 0",
-                         role, foot.heel_at.x(), foot.heel_at.y(), foot.toe_at.x(), foot.toe_at.y()));
+        fail(entry, fmt::format("{}: heel is at ({}, {}) and toe at ({}, {}); the toe must lie before the heel and "
+                                "as high as it, so that the sole is level when the foot's angle is 0",
+                                role, foot.heel_at.x(), foot.heel_at.y(), foot.toe_at.x(), foot.toe_at.y()));
     }
     const auto on_root = [&](const Foot& foot)
     {
       return robot.is_root(foot);
     };
     if (fixed_root() && std::none_of(robot.feet.begin(), robot.feet.end(), on_root))
-      fail(description_.links[static_cast<std::size_t>(root_)].line,
+      fail(description_.links[static_cast<std::size_t>(root_)],
            fmt::format("link '{}' is fixed to the world, but is no [[foot]]: a fixed root stands for a foot, and its "
                        "[[foot]] says which",
                        links_[static_cast<std::size_t>(root_)].name));
@@ -478,6 +492,15 @@ private:
 
 } // namespace
 
+bool is_name(std::string_view text)
+{
+  const auto plain = [](char c)
+  {
+    return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_' || c == '-';
+  };
+  return !text.empty() && text.size() <= kLongestName && std::all_of(text.begin(), text.end(), plain);
+}
+
 std::string_view name_of(Side side)
 {
   return side == Side::left ? "left" : "right";
@@ -536,7 +559,9 @@ Robot load_robot(const std::string& name_or_path)
     return read_toml_robot(text, name_or_path + ".toml");
   if (name_or_path.ends_with(".toml"))
     return read_toml_robot(read_text_file(name_or_path), name_or_path);
-  throw FileError(fmt::format("\"{}\" is neither a robot that ships ({}) nor a .toml file", name_or_path,
+  if (name_or_path.ends_with(".urdf"))
+    return read_urdf_robot(read_text_file(name_or_path), name_or_path);
+  throw FileError(fmt::format("\"{}\" is neither a robot that ships ({}) nor a .toml or .urdf file", name_or_path,
                               fmt::join(shipped_robot_names(), ", ")));
 }
 

@@ -18,6 +18,10 @@ inline constexpr std::string_view kWorld = "world";
 inline constexpr int kMaxLinks = 24;
 /// The most actuators: one for each member of θ.
 inline constexpr int kMaxJoints = kMaxCoordinates;
+/// The most characters of a name.
+inline constexpr std::size_t kLongestName = 32;
+/// Whether a text can be a name: letters, digits, _ and -, because names stand in CSV headers and in messages.
+bool is_name(std::string_view text);
 /// One number per actuator.
 using VectorJ = BoundedVector<kMaxJoints>;
 
@@ -115,6 +119,7 @@ struct Actuator
   double stribeck = 0.0;      ///< κ_s, N m
   double stribeck_velocity = 1.0; ///< η_s, rad/s; positive
   double friction_offset = 0.0;   ///< κ_o, N m
+  double offset = 0.0;            ///< what its coordinate adds to its angle, rad
 };
 
 /// A foot: where it can touch the ground. A foot without extent has heel = toe = ankle and no sole.
@@ -201,6 +206,7 @@ struct RobotDescription
     std::string parent; ///< "world" for a fixed root
     std::string coordinate;
     int line;
+    std::string file = {}; ///< whose line that is; empty: the description's
   };
   struct ActuatorEntry
   {
@@ -208,6 +214,7 @@ struct RobotDescription
     std::string on, against, coordinate; ///< against: "world" for the world
     double offset;
     int line;
+    std::string file = {}; ///< as a link's
   };
   struct FootEntry
   {
@@ -233,13 +240,48 @@ struct RobotDescription
 Robot assemble(const RobotDescription& description);
 
 /// Reads a robot from TOML text; file is the name used in complaints. Throws FileError.
+///
+/// With the key `urdf`, the path of a URDF as seen from the file's folder, links and joints are those of the URDF. A
+/// [[link]] then names one of them and may add a coordinate's name, the base point's names and a drawing.
 Robot read_toml_robot(std::string_view text, const std::string& file);
+
+/// Reads the links and joints of a URDF, and an actuator for each joint that moves, named like the joint and in the
+/// file's order; gravity is 9.81. Throws FileError.
+///
+/// A revolute, continuous, prismatic or fixed joint is read as what it is. All turning axes must be parallel to ±y of
+/// the root when all joints are at 0, and so must those along which something slides. A link that is no child is the
+/// root: it floats. If it is called "world" it stands for the world, and has one child, the root, by a joint that is
+/// floating or fixed.
+///
+/// Frames: all are turned so that they are aligned with the world's (without one, with the root's) when all joints are
+/// at 0, and projected on the x-z plane; no constant angles remain. What lies sideways does not enter planar dynamics
+/// and is dropped. Of an inertia tensor only the moment about y enters.
+///
+/// Signs: URDF turns by the right hand about an axis; about +y that is clockwise in our picture. An actuator's angle
+/// here is that of child − parent, counter-clockwise, whatever the sign of the joint's axis; so it equals the URDF's
+/// joint angle where the axis is −y, and is its negative where it is +y. A displacement is along +y, whatever the sign
+/// of the axis.
+///
+/// Rolling joints: two revolute joints A, B with a link without mass and other children between them, of which one
+/// mimics the other by a positive multiplier (turning in the same sense) without offset, roll: that link is the bar
+/// from A to B. By the bar's angle (Link::parent_share()), A turns by r_c / (r_p + r_c) of the angle between parent and
+/// child, and B by r_p / (r_p + r_c); so if B mimics A the multiplier is r_p / r_c, else it is r_c / r_p. The bar is no
+/// link, and the actuator is named after the joint that mimics nothing. Any other mimic is refused.
+///
+/// Limits and friction of a URDF's joints (<limit>, <dynamics>, <safety_controller>), its <transmission> and what is
+/// only seen or touched (<visual>, <collision>, <material>, <gazebo>, …) are not read: limits, friction, rotors and
+/// feet come from a TOML file that names the URDF, and are otherwise none.
+RobotDescription read_urdf(std::string_view text, const std::string& file);
+
+/// Reads a robot without feet from a URDF as such. Throws FileError; a fixed root, too, needs a TOML file, which says
+/// which foot it is.
+Robot read_urdf_robot(std::string_view text, const std::string& file);
 
 /// The robots that ship: names, and a shipped robot's TOML; empty if there is none of that name.
 std::vector<std::string_view> shipped_robot_names();
 std::string_view shipped_robot_toml(std::string_view name);
 
-/// Loads a robot that ships, by its name, or a .toml file, by its path. Throws FileError.
+/// Loads a robot that ships, by its name, or a .toml or .urdf file, by its path. Throws FileError.
 Robot load_robot(const std::string& name_or_path);
 
 } // namespace torqued

@@ -4,7 +4,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 #include <fmt/format.h>
+#include <set>
 
 namespace torqued
 {
@@ -14,19 +16,31 @@ namespace
 
 constexpr double kNone = INFINITY;
 
-// Names stand in CSV headers and in messages: letters, digits, _ and -, and not too long.
 std::string name(StrictTable& table, std::string_view key, std::optional<std::string> fallback = {})
 {
   const std::string text = table.text(key, std::move(fallback));
-  const auto plain = [](char c)
-  {
-    return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_' || c == '-';
-  };
-  constexpr std::size_t longest = 32;
-  if (text.empty() || text.size() > longest || !std::all_of(text.begin(), text.end(), plain))
-    table.fail(
-        key, fmt::format("found \"{}\"; expected 1 to {} letters, digits, _ or -", printable(text, longest), longest));
+  if (!is_name(text))
+    table.fail(key, fmt::format("found \"{}\"; expected 1 to {} letters, digits, _ or -", printable(text, kLongestName),
+                                kLongestName));
   return text;
+}
+
+void read_drawing(StrictTable& table, Link& link)
+{
+  std::vector<StrictTable> segments = table.tables("draw", fmt::format("link '{}': draw", link.name));
+  constexpr std::size_t most_segments = 16; // so that the robot still fits into a message
+  if (segments.size() > most_segments)
+    table.fail("draw", fmt::format("found {} strokes; expected at most {}", segments.size(), most_segments));
+  for (StrictTable& segment : segments)
+  {
+    link.drawing.push_back({segment.vector("from"), segment.vector("to"), segment.magnitude("width", 0.02)});
+    segment.finish();
+  }
+}
+
+bool moves(const Link& link)
+{
+  return link.joint != JointKind::fixed && link.joint != JointKind::parallel;
 }
 
 RobotDescription::LinkEntry read_link(StrictTable& table, std::array<std::string, 2>& base_names)
@@ -58,23 +72,69 @@ RobotDescription::LinkEntry read_link(StrictTable& table, std::array<std::string
     link.parent_radius = table.magnitude("parent_radius");
     link.child_radius = table.magnitude("child_radius");
   }
-  if (link.joint != JointKind::fixed && link.joint != JointKind::parallel)
+  if (moves(link))
     entry.coordinate = name(table, "coordinate", link.name);
 
   link.mass = table.magnitude("mass");
   link.com = table.vector("com", Eigen::Vector2d(0.0, 0.0));
   link.inertia = table.magnitude("inertia");
-  std::vector<StrictTable> segments = table.tables("draw", fmt::format("link '{}': draw", link.name));
-  constexpr std::size_t most_segments = 16; // so that the robot still fits into a message
-  if (segments.size() > most_segments)
-    table.fail("draw", fmt::format("found {} strokes; expected at most {}", segments.size(), most_segments));
-  for (StrictTable& segment : segments)
-  {
-    link.drawing.push_back({segment.vector("from"), segment.vector("to"), segment.magnitude("width", 0.02)});
-    segment.finish();
-  }
+  read_drawing(table, link);
   table.finish();
   return entry;
+}
+
+// Links and joints from the URDF that the file names.
+void read_links_of_urdf(StrictTable& table, const std::string& file, RobotDescription& description)
+{
+  const std::filesystem::path named = table.text("urdf");
+  const std::string path = (std::filesystem::path(file).parent_path() / named).string();
+  std::string text;
+  try
+  {
+    text = read_text_file(path);
+  }
+  catch (const FileError& error)
+  {
+    table.fail("urdf", error.what());
+  }
+  const RobotDescription urdf = read_urdf(text, path);
+  description.name = urdf.name;
+  description.links = urdf.links;
+  description.actuators = urdf.actuators;
+  for (auto& entry : description.links)
+    entry.file = path;
+  for (auto& entry : description.actuators)
+    entry.file = path;
+}
+
+// What a file adds to a link of its URDF; returns the link's name.
+std::string complete_link(StrictTable& table, RobotDescription& description)
+{
+  const std::string link = name(table, "name");
+  table.set_context(fmt::format("link '{}'", link));
+  const auto entry = std::find_if(description.links.begin(), description.links.end(),
+                                  [&](const RobotDescription::LinkEntry& e) { return e.link.name == link; });
+  if (entry == description.links.end())
+    table.fail("name", fmt::format("found \"{}\"; the URDF has no link of that name", link));
+  for (const std::string_view key :
+       {"joint", "parent", "at", "angle", "parent_radius", "child_radius", "mass", "com", "inertia"})
+    if (table.has(key))
+      table.fail(key, fmt::format("comes from the URDF, {}:{}; change it there", entry->file, entry->line));
+  if (entry->link.joint == JointKind::floating)
+    description.base_names = table.two_texts("base", description.base_names);
+  if (moves(entry->link))
+    entry->coordinate = name(table, "coordinate", link);
+  read_drawing(table, entry->link);
+  table.finish();
+  return link;
+}
+
+void complete_links(std::vector<StrictTable> tables, RobotDescription& description)
+{
+  std::set<std::string> seen;
+  for (StrictTable& table : tables)
+    if (const std::string link = complete_link(table, description); !seen.insert(link).second)
+      table.fail("name", "is that of a second [[link]]; names must differ");
 }
 
 RobotDescription::ActuatorEntry read_actuator(StrictTable& table)
@@ -131,15 +191,27 @@ Robot read_toml_robot(std::string_view text, const std::string& file)
   StrictTable table(document, file);
   RobotDescription description;
   description.file = file;
-  description.name = name(table, "name");
+  const bool has_urdf = table.has("urdf");
+  if (has_urdf)
+  {
+    read_links_of_urdf(table, file, description);
+    description.name = name(table, "name", description.name);
+  }
+  else
+    description.name = name(table, "name");
   description.source = table.text("source", "");
   description.gravity = table.number("gravity", 9.81);
   if (!(description.gravity > 0.0))
     table.fail("gravity", fmt::format("found {}; expected a positive number", description.gravity));
-  description.base_names = {"x", "z"};
-  for (StrictTable& link : table.tables("link", "link"))
-    description.links.push_back(read_link(link, description.base_names));
-  for (StrictTable& actuator : table.tables("actuator", "actuator"))
+  if (has_urdf)
+    complete_links(table.tables("link", "link"), description);
+  else
+    for (StrictTable& link : table.tables("link", "link"))
+      description.links.push_back(read_link(link, description.base_names));
+  std::vector<StrictTable> actuators = table.tables("actuator", "actuator");
+  if (!actuators.empty())
+    description.actuators.clear();
+  for (StrictTable& actuator : actuators)
     description.actuators.push_back(read_actuator(actuator));
   for (StrictTable& foot : table.tables("foot", "foot"))
     description.feet.push_back(read_foot(foot));
