@@ -5,6 +5,8 @@
 #include "client/files.h"
 #include "robot/robot.h"
 #include "wire/dynamics_codec.h"
+#include "robot/robot_files.h"
+#include "wire/codec.h"
 
 #include <functional>
 #include <lcm/lcm-cpp.hpp>
@@ -228,6 +230,17 @@ TEST_CASE("model and status are published unasked, and say which robot and which
   CHECK(bench.statuses.back().model_id == bench.model->model_id);
   CHECK(bench.statuses.back().settings_id == bench.model->settings_id);
   CHECK(bench.statuses.back().state == status_t::WAITING);
+}
+
+TEST_CASE("a robot without feet is computed with in the air, and the log says so", "[daemon_process]")
+{
+  const TemporaryFolder folder;
+  Bench bench({"--robot", folder.write("flier.urdf", to_urdf(load_robot("rabbit")))});
+  CHECK(bench.wait([&] { return bench.output().find("no contact with the ground is possible") != std::string::npos; }));
+  CHECK(bench.model->joint_names == std::vector<std::string>{"left_knee", "left_hip", "right_hip", "right_knee"});
+  bench.send(bench.standing());
+  REQUIRE(bench.wait([&] { return !bench.rejections.empty(); }));
+  CHECK(bench.commands.empty());
 }
 
 TEST_CASE("a start that cannot succeed ends with one clear line and its exit code", "[daemon_process]")

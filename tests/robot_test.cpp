@@ -19,10 +19,10 @@ const std::string& ck_text()
   return text;
 }
 
-// ck with one piece of its text replaced
-std::string changed(const std::string& from, const std::string& to)
+// a robot that ships with one piece of its text replaced
+std::string changed(const std::string& from, const std::string& to, std::string_view robot = "ck")
 {
-  std::string text = ck_text();
+  std::string text(shipped_robot_toml(robot));
   const std::size_t at = text.find(from);
   REQUIRE(at != std::string::npos);
   return text.replace(at, from.size(), to);
@@ -257,6 +257,77 @@ TEST_CASE("a bad robot file is refused with file, line, key and what would be ri
     const std::string text = changed(row.from, row.to);
     const std::string found = complaint(text);
     CAPTURE(row.from, row.to, found);
+    CHECK(found.find(row.message) != std::string::npos);
+    CHECK(found.starts_with(fmt::format("r.toml:{}:", line_of(text, row.at))));
+  }
+}
+
+TEST_CASE("joints that roll, slide or stand on the world are checked too", "[robot]")
+{
+  struct Row
+  {
+    std::string robot, from, to, at, message; // at: the piece of text on whose line the complaint is
+  };
+  const std::string left_shin = "[[link]]\nname = \"left_shin\"";
+  const std::string left_knee = "[[actuator]]\nname = \"left_knee\"";
+  const std::vector<Row> rows{
+      {"rk", "parent_radius = 0.035\n", "", left_shin,
+       "link 'left_shin': parent_radius: is missing; expected a number"},
+      {"rk", "child_radius = 0.05\n", "", left_shin, "link 'left_shin': child_radius: is missing; expected a number"},
+      {"rk", "parent_radius = 0.035", "parent_radius = -0.035", "-0.035",
+       "parent_radius: found -0.035; expected a number that is not negative"},
+      {"rk", "parent_radius = 0.035\nchild_radius = 0.05", "parent_radius = 0\nchild_radius = 0", left_shin,
+       "parent_radius and child_radius are both 0; that is a revolute joint"},
+      {"rk", "child_radius = 0.05", "child_radius = 0", left_knee,
+       "actuator 'left_knee': between = \"bar-parent\", but these two do not turn against each other, because a "
+       "radius"},
+      {"rk", "between = \"bar-parent\"", "between = \"bar\"", "\"bar\"",
+       "actuator 'left_knee': between: found \"bar\"; expected one of: links, bar-parent, bar-child"},
+      {"ck", "name = \"left_knee\"", "name = \"left_knee\"\nbetween = \"bar-child\"", left_knee,
+       "between = \"bar-child\", but there is no rolling joint between its links"},
+      {"ck", "parent = \"trunk\"", "parent = \"trunk\"\nparent_radius = 0.1", "parent_radius",
+       "link 'left_thigh': parent_radius: is not known here"},
+      {"ck", "parent = \"trunk\"", "parent = \"trunk\"\nangle = 0.1", "angle",
+       "link 'left_thigh': angle: is not known"},
+      {"ck", "joint = \"revolute\"\nparent = \"trunk\"\nat = [0.0, 0.0]", "joint = \"revolute\"\nparent = \"world\"",
+       "[[link]]\nname = \"left_thigh\"", "link 'left_thigh' is revolute on the world; a root that does not float"},
+      {"ck", "joint = \"revolute\"\nparent = \"left_shin\"", "joint = \"floating\"", "at = [", "at: is not known here"},
+      {"ck", "joint = \"revolute\"\nparent = \"left_shin\"\nat = [0.0, -0.39]\ncoordinate = \"q0\"",
+       "joint = \"parallel\"\nparent = \"left_shin\"\nat = [0.0, -0.39]", "[[link]]\nname = \"left_foot\"",
+       "link 'left_foot' is parallel to the world, but the root floats"},
+      {"ck", "against = \"left_foot\"", "against = \"world\"", "[[actuator]]\nname = \"left_ankle\"",
+       "actuator 'left_ankle': against the world, but the root floats"},
+      {"ck", "on = \"left_shin\"", "on = \"world\"", "[[actuator]]\nname = \"left_ankle\"",
+       "actuator 'left_ankle': on \"world\" is not the name of a link"},
+      {"ck", "torque_limit = 150.0", "stribeck_velocity = 0", "stribeck_velocity",
+       "actuator 'left_ankle': stribeck_velocity: found 0; expected a positive number"},
+      {"ck", "torque_limit = 150.0", "rotor_inertia = -1", "rotor_inertia", "rotor_inertia: found -1; expected"},
+      {"ck", "torque_limit = 150.0", "coulomb = -1", "coulomb", "coulomb: found -1; expected a number that is not"},
+      {"ck", "torque_limit = 150.0", "viscous = inf", "viscous", "viscous: found inf; expected a finite number"},
+      {"ck", "torque_limit = 150.0", "rate_limit = -1", "rate_limit", "rate_limit: found -1; expected"},
+      {"ck", "torque_limit = 150.0", "offset = \"0\"", "offset", "offset: found '0'; expected a number"},
+      {"ck", "name = \"trunk\"", "name = \"world\"", "name = \"world\"",
+       "name: found \"world\"; that is what a fixed root"},
+      {"ck", "gravity = 9.81", "urdf = \"no.urdf\"", "urdf",
+       "urdf: no.urdf: cannot be read: No such file or directory"},
+      {"six-link", "side = \"left\"\nlink = \"left_foot\"", "side = \"left\"\nlink = \"left_shin\"",
+       "[[link]]\nname = \"left_foot\"", "link 'left_foot' is fixed to the world, but is no [[foot]]"},
+      {"six-link", "parent = \"world\"", "parent = \"world\"\ncoordinate = \"q0\"", "coordinate = \"q0\"",
+       "link 'left_foot': coordinate: is not known here"},
+      {"six-link", "parent = \"world\"", "parent = \"world\"\nbase = [\"x\", \"z\"]", "base",
+       "base: is not known here"},
+      {"six-link", "parent = \"left_foot\"", "parent = \"left_shin\"", left_shin, "does not hang on the root"},
+      {"bip-itlag", "joint = \"slide\"", "joint = \"parallel\"", "coordinate = \"r\"", "coordinate: is not known here"},
+      {"bip-itlag", "on = \"counterweight\"\nagainst = \"pelvis\"", "on = \"counterweight\"\nagainst = \"stance_foot\"",
+       "[[actuator]]\nname = \"r\"", "actuator 'r': 'counterweight' and 'stance_foot' do not turn against each other"},
+      {"rabbit", "side = \"right\"", "side = \"left\"", "[[foot]]\nside = \"left\"\nlink = \"right_shin\"",
+       "there is a second left foot"},
+  };
+  for (const Row& row : rows)
+  {
+    const std::string text = changed(row.from, row.to, row.robot);
+    const std::string found = complaint(text);
+    CAPTURE(row.robot, row.from, row.to, found);
     CHECK(found.find(row.message) != std::string::npos);
     CHECK(found.starts_with(fmt::format("r.toml:{}:", line_of(text, row.at))));
   }

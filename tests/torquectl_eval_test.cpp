@@ -555,7 +555,39 @@ TEST_CASE("a robot's printed file is the robot, and its description names every 
       CHECK(description.find("\n  " + coordinate + " = ") != std::string::npos);
     CHECK(run({"model", "--list"}).out.find(std::string(name) + "\n") != std::string::npos);
   }
+  const std::string rk = run({"model", "--robot", "rk"}).out;
+  CHECK(rk.find("radii 0.035 m of the parent, 0.05 m of its own\n") != std::string::npos);
+  CHECK(rk.find("between bar-parent, kappa 0.5882\n") != std::string::npos);
+  CHECK(run({"model", "--robot", "rabbit"}).out.find("rotor inertia 0.83 kg m²\n") != std::string::npos);
   const std::string compass = run({"model", "--robot", "compass"}).out;
   CHECK(compass.find("\n  q1 = theta_s + 1.5708\n  q2 = theta_ns - theta_s - 3.14159\n") != std::string::npos);
   CHECK(compass.find("\nthe root, stance_foot, is fixed to the world\n") != std::string::npos);
+}
+
+TEST_CASE("a robot is printed as URDF, and what its URDF leaves out as TOML", "[torquectl_eval]")
+{
+  const TemporaryFolder folder;
+  const Robot robot = load_robot("rabbit");
+  const Run urdf = run({"model", "--robot", "rabbit", "--urdf"});
+  const std::string urdf_file = folder.write("rabbit.urdf", urdf.out);
+  const Run toml = run({"model", "--robot", "rabbit", "--toml-for", "rabbit.urdf"});
+  const std::string toml_file = folder.write("rabbit.toml", toml.out);
+  CHECK(urdf.code == 0);
+  CHECK(toml.code == 0);
+  CHECK(load_robot(toml_file).model_id == robot.model_id);
+
+  // a file that is not all of the robot is printed complete, as TOML
+  for (const std::string& file : {toml_file, urdf_file})
+  {
+    const Run whole = run({"model", "--robot", file, "--toml"});
+    CHECK(whole.out.find("urdf = ") == std::string::npos);
+    CHECK(load_robot(folder.write("whole.toml", whole.out)).model_id == load_robot(file).model_id);
+  }
+
+  const Run none = run({"model", "--robot", "bip-itlag", "--urdf"});
+  CHECK(none.code == 78);
+  CHECK(none.out == "");
+  CHECK(none.err ==
+        "torquectl: link 'pelvis' is parallel to the world; a URDF cannot say that, and this robot has none\n");
+  CHECK(run({"model", "--urdf", "--toml"}).code == 64);
 }
