@@ -66,7 +66,11 @@ private:
         fail(begin, fmt::format("a tag with more than {} attributes; no robot needs that", most_attributes));
       if (text_.substr(begin, 2) == "</")
         fail(begin, "a closing tag with an attribute; attributes belong to the opening tag");
-      at_ = std::min(text_.size() - 1, text_.find(text_[at_], at_ + 1));
+      const std::size_t value = at_ + 1;
+      at_ = std::min(text_.size() - 1, text_.find(text_[at_], value));
+      // the parser ends a text at a character 0, whatever comes behind it
+      if (text_.substr(value, at_ - value).find("&#") != std::string_view::npos)
+        fail(begin, "a character as a number, &#...; expected the character itself");
     }
   }
 

@@ -15,8 +15,9 @@ namespace torqued
 /// Parses XML. file: the name used in complaints. Throws FileError.
 ///
 /// Refuses, before the parser sees it, what no file of ours needs: NUL bytes, <!DOCTYPE …> and any other <!…> that is
-/// not a comment, attributes on a closing tag, and more tags, or attributes on one tag, than a robot has. The parser's
-/// own limit keeps elements from nesting deeper than it can go. Entities are those of XML itself: none can be declared.
+/// not a comment, characters given as numbers, attributes on a closing tag, and more tags, or attributes on one tag,
+/// than a robot has. The parser's own limit keeps elements from nesting deeper than it can go. Entities are those of
+/// XML itself: none can be declared.
 void parse_xml(std::string_view text, const std::string& file, tinyxml2::XMLDocument& document);
 
 /// One element of an XML file that is being read. Ask for each attribute and child, or skip it, then call finish(),
