@@ -309,7 +309,7 @@ TEST_CASE("joints that roll, slide or stand on the world are checked too", "[rob
       {"ck", "name = \"trunk\"", "name = \"world\"", "name = \"world\"",
        "name: found \"world\"; that is what a fixed root"},
       {"ck", "gravity = 9.81", "urdf = \"no.urdf\"", "urdf",
-       "urdf: no.urdf: cannot be read: No such file or directory"},
+       "urdf: no.urdf cannot be read; expected a URDF of at most 1 MB"},
       {"six-link", "side = \"left\"\nlink = \"left_foot\"", "side = \"left\"\nlink = \"left_shin\"",
        "[[link]]\nname = \"left_foot\"", "link 'left_foot' is fixed to the world, but is no [[foot]]"},
       {"six-link", "parent = \"world\"", "parent = \"world\"\ncoordinate = \"q0\"", "coordinate = \"q0\"",

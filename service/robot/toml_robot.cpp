@@ -86,25 +86,26 @@ RobotDescription::LinkEntry read_link(StrictTable& table, std::array<std::string
 // Links and joints from the URDF that the file names.
 void read_links_of_urdf(StrictTable& table, const std::string& file, RobotDescription& description)
 {
-  const std::filesystem::path named = table.text("urdf");
-  const std::string path = (std::filesystem::path(file).parent_path() / named).string();
+  const std::filesystem::path folder = std::filesystem::path(file).parent_path();
+  const std::string named = table.text("urdf");
+  const std::string shown = (folder / printable(named)).string();
   std::string text;
   try
   {
-    text = read_text_file(path);
+    text = read_text_file((folder / named).string());
   }
-  catch (const FileError& error)
+  catch (const FileError&)
   {
-    table.fail("urdf", error.what());
+    table.fail("urdf", fmt::format("{} cannot be read; expected a URDF of at most 1 MB", shown));
   }
-  const RobotDescription urdf = read_urdf(text, path);
+  const RobotDescription urdf = read_urdf(text, shown);
   description.name = urdf.name;
   description.links = urdf.links;
   description.actuators = urdf.actuators;
   for (auto& entry : description.links)
-    entry.file = path;
+    entry.file = shown;
   for (auto& entry : description.actuators)
-    entry.file = path;
+    entry.file = shown;
 }
 
 // What a file adds to a link of its URDF; returns the link's name.
