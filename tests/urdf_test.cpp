@@ -419,6 +419,13 @@ friction = 0.4
   CHECK_THROWS_WITH(by_way_of_urdf(sole), Catch::Matchers::StartsWith("link 'pegleg' rides on 'shin' at an angle"));
 }
 
+TEST_CASE("a URDF that is written turns about -y, so that its joint angles are ours", "[urdf]")
+{
+  const std::string urdf = to_urdf(load_robot("rk"));
+  CHECK(urdf.find("<axis xyz=\"0 -1 0\"/>") != std::string::npos);
+  CHECK(urdf.find("<axis xyz=\"0 1 0\"/>") == std::string::npos);
+}
+
 TEST_CASE("what a URDF cannot say is refused by name", "[urdf]")
 {
   CHECK_THROWS_WITH(to_urdf(load_robot("bip-itlag")),
