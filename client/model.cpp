@@ -1,6 +1,7 @@
 #include "client/subcommands.h"
 #include "robot/robot_files.h"
 #include "robot/strict_toml.h"
+#include "torque/regressor.h"
 
 #include <CLI/CLI.hpp>
 
@@ -153,6 +154,16 @@ std::string whole_toml(const std::string& name_or_path, const Robot& robot)
   return whole ? text : to_toml(robot);
 }
 
+void print_parameters(const Robot& robot)
+{
+  const std::vector<BaseParameter> parameters = base_parameters(robot);
+  fmt::print(
+      "\nbase parameters: what the equation of motion, linear in them, can show of masses m, first moments mx and "
+      "mz,\ninertias I about the link's frame, and motors; SI; the order of alpha\n");
+  for (const BaseParameter& parameter : parameters)
+    fmt::print("  {:>12.6g}  {}\n", parameter.value, parameter.name);
+}
+
 ExitCode model(const Options& options)
 {
   if (options.list)
@@ -176,6 +187,7 @@ ExitCode model(const Options& options)
   print_coordinates(robot);
   print_actuators(robot);
   print_feet(robot);
+  print_parameters(robot);
   return ExitCode::done;
 }
 

@@ -3,10 +3,8 @@
 #include "temporary_folder.h"
 
 #include "client/files.h"
-#include "robot/robot.h"
-#include "wire/dynamics_codec.h"
 #include "robot/robot_files.h"
-#include "wire/codec.h"
+#include "wire/dynamics_codec.h"
 
 #include <functional>
 #include <lcm/lcm-cpp.hpp>
