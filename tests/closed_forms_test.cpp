@@ -15,7 +15,7 @@ namespace
 
 // random states of each set of parameters; the first set is that of the robot that ships
 constexpr int kSets = 5;
-constexpr int kStates = 250;
+constexpr int kStatesOfSet = kStates / 4;
 
 // Service and closed form sum some 20 terms of like size, each rounded to 1e-16: what cancels is small against the
 // largest entry, which is the scale. Random poses lie up to 3 rad from where cosines are exact.
@@ -87,7 +87,7 @@ Terms terms(const oracle::Biped& biped, const State& state, const Support& conta
 void check_biped(const oracle::Biped& biped, const Robot& robot, oracle::Random& random)
 {
   const oracle::Matrix9 S = oracle::Biped::from_joint_angles();
-  for (int i = 0; i < kStates; ++i)
+  for (int i = 0; i < kStatesOfSet; ++i)
   {
     CAPTURE(i);
     const State state = random_state(random, robot);
@@ -120,7 +120,7 @@ TEST_CASE("ck and rk move as their closed forms say, in both kinds of coordinate
 TEST_CASE("the closed forms of H and of the energy belong to that of D", "[closed_forms]")
 {
   oracle::Random random(102);
-  for (int i = 0; i < 1000; ++i)
+  for (int i = 0; i < kStates; ++i)
   {
     CAPTURE(i);
     const oracle::Biped biped = i % 2 == 0 ? oracle::random_ck(random) : oracle::random_rk(random);
@@ -140,7 +140,7 @@ TEST_CASE("rolling knees become pin knees as their circles shrink", "[closed_for
 {
   oracle::Random random(103);
   for (const double radius : {1e-3, 1e-5, 1e-7, 1e-9})
-    for (int i = 0; i < 250; ++i)
+    for (int i = 0; i < kStatesOfSet; ++i)
     {
       CAPTURE(radius, i);
       const oracle::Biped pin = oracle::random_ck(random);
@@ -169,7 +169,7 @@ TEST_CASE("rolling knees become pin knees as their circles shrink", "[closed_for
 TEST_CASE("where a rolling knee's motor stands changes its torque, not what it does", "[closed_forms]")
 {
   oracle::Random random(104);
-  for (int i = 0; i < 1000; ++i)
+  for (int i = 0; i < kStates; ++i)
   {
     CAPTURE(i);
     oracle::Biped biped = oracle::random_rk(random, Placement::links);
@@ -217,7 +217,7 @@ TEST_CASE("the six-link biped moves as the reduction of ck and rk, on either foo
     oracle::SixLink direct = six;
     direct.biped.knee = Placement::links;
     const oracle::Matrix6 to_absolute = direct.A().transpose().inverse(); // the actuators' angles are Aᵀ q, less κ
-    for (int i = 0; i < kStates; ++i)
+    for (int i = 0; i < kStatesOfSet; ++i)
     {
       CAPTURE(i, name_of(six.stance));
       const State state = random_state(random, robot);
@@ -279,7 +279,7 @@ template <typename Oracle> void check_both_coordinates(const Oracle& oracle, con
   using Vector = Eigen::Matrix<double, decltype(A)::RowsAtCompileTime, 1>;
   CHECK(mismatch(robot.A.topLeftCorner(n, n), A, 0.0) == "");
   CHECK(mismatch(robot.b.head(n), Oracle::offset(), 1e-15) == "");
-  for (int i = 0; i < kStates; ++i)
+  for (int i = 0; i < kStatesOfSet; ++i)
   {
     CAPTURE(i);
     const State state = random_state(random, robot);

@@ -230,17 +230,17 @@ std::vector<Named> robots()
 {
   std::vector<Named> result;
   for (const std::string_view name : shipped_robot_names())
-    result.push_back({std::string(name), load_robot(std::string(name)), 1000});
+    result.push_back({std::string(name), load_robot(std::string(name)), kStates});
   oracle::Random random(300);
   for (int i = 0; i < 4; ++i)
   {
-    result.push_back({"random ck", oracle::random_ck(random).robot(), 250});
-    result.push_back({"random rk", oracle::random_rk(random).robot(), 250});
-    result.push_back(
-        {"random six-link with rolling knees", oracle::SixLink{oracle::random_rk(random), Side::right}.robot(), 250});
+    result.push_back({"random ck", oracle::random_ck(random).robot(), kStates / 4});
+    result.push_back({"random rk", oracle::random_rk(random).robot(), kStates / 4});
+    result.push_back({"random six-link with rolling knees",
+                      oracle::SixLink{oracle::random_rk(random), Side::right}.robot(), kStates / 4});
   }
   for (int i = 0; i < 20; ++i)
-    result.push_back({fmt::format("tree {}", i), oracle::random_tree(random, i % 2 == 0), 50});
+    result.push_back({fmt::format("tree {}", i), oracle::random_tree(random, i % 2 == 0), kStates / 20});
   return result;
 }
 
@@ -338,7 +338,7 @@ TEST_CASE("MuJoCo's armature is our rotor inertia", "[mujoco]")
   REQUIRE(robot.actuators[0].rotor_inertia > 0.0);
   Model model(robot, true);
   oracle::Random random(302);
-  for (int i = 0; i < 1000; ++i)
+  for (int i = 0; i < kStates; ++i)
   {
     CAPTURE(i);
     const State state = random_state(random, robot);

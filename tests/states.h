@@ -13,6 +13,14 @@
 namespace torqued
 {
 
+/// Random states of a robot for each law. A build without optimization is some 50 times as slow, and is there to look
+/// for faults of memory, not of numbers.
+#ifdef NDEBUG
+inline constexpr int kStates = 1000;
+#else
+inline constexpr int kStates = 40;
+#endif
+
 /// The coordinates of EquationOfMotion, absolute: angles and slides, then a floating root's x and z.
 struct State
 {
