@@ -14,8 +14,6 @@ using namespace torqued;
 namespace
 {
 
-constexpr int kStates = 1000;
-
 using Ground = std::array<Eigen::Vector3d, 2>;
 
 Ground random_ground(oracle::Random& random, const Robot& robot)

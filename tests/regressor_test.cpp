@@ -14,8 +14,6 @@ using namespace torqued;
 namespace
 {
 
-constexpr int kStates = 1000;
-
 Motion motion_of(const Robot& robot, const State& state)
 {
   return {kinematics(robot.mechanism, state.q, state.v), state.v, state.a};
