@@ -1,3 +1,4 @@
+#include "planar/dynamics.h"
 #include "client/files.h"
 #include "client/offline.h"
 #include "client/subcommands.h"
@@ -34,10 +35,13 @@ Json rows(const std::vector<std::vector<double>>& matrix, std::int32_t count)
   return result;
 }
 
-Json line(std::int64_t utime, const dynamics_t& equation, bool regressor)
+Json refused(std::int64_t utime, std::string_view why)
 {
-  if (!equation.error.empty())
-    return {{"utime", utime}, {"error", equation.error}};
+  return {{"utime", utime}, {"error", why}};
+}
+
+Json answered(std::int64_t utime, const dynamics_t& equation, const Robot& robot, const Motion& motion, bool regressor)
+{
   Json json{{"utime", utime},
             {"M", rows(equation.M, equation.n)},
             {"C", rows(equation.C, equation.n)},
@@ -46,7 +50,10 @@ Json line(std::int64_t utime, const dynamics_t& equation, bool regressor)
             {"B", rows(equation.B, equation.n)},
             {"J", rows(equation.J, equation.num_contact_rows)},
             {"Jdot_v", equation.Jdot_v},
-            {"generalized_force", equation.generalized_force}};
+            {"generalized_force", equation.generalized_force},
+            {"kinetic_energy", kinetic_energy(robot.mechanism, motion.now, motion.v)},
+            {"potential_energy", potential_energy(robot.mechanism, motion.now)},
+            {"power", motion.v.dot(inverse_dynamics(robot.mechanism, motion.now, motion.a))}};
   if (regressor)
   {
     json["Y"] = rows(equation.Y, equation.n);
@@ -64,32 +71,36 @@ ExitCode dynamics(const Options& options)
   OutputFile out(options.offline.out);
   dynamics_t equation{};
   std::vector<std::byte> buffer;
-  std::size_t refused = 0;
+  std::size_t refused_samples = 0;
   for (std::size_t i = 0; i < trajectory.states.size(); ++i)
   {
-    const auto complain = [&](const Refusal& refusal)
+    const std::int64_t utime = trajectory.states[i].utime;
+    const auto refuse_sample = [&](std::string_view why)
     {
-      if (refused++ == 0)
-        note(fmt::format("{}: {}", trajectory.place(i), refusal.detail()));
-      refuse(equation, robot, 0, refusal.detail());
+      if (refused_samples++ == 0)
+        note(fmt::format("{}: {}", trajectory.place(i), why));
+      return refused(utime, why);
     };
-    const Result<DesiredState> desired = decode_desired_state(encode(trajectory.states[i], buffer), robot);
-    if (const Refusal* refusal = std::get_if<Refusal>(&desired))
-      complain(*refusal);
-    else
+    const auto line = [&]() -> Json
     {
+      const Result<DesiredState> desired = decode_desired_state(encode(trajectory.states[i], buffer), robot);
+      if (const Refusal* refusal = std::get_if<Refusal>(&desired))
+        return refuse_sample(refusal->detail());
       const DesiredState& state = std::get<DesiredState>(desired);
-      const Result<Motion> motion = complete_motion(robot, state);
-      if (const Refusal* undefined = std::get_if<Refusal>(&motion))
-        complain(*undefined);
-      else
-        fill(equation, robot, parameters, std::get<Motion>(motion), state.support, coordinates);
-    }
-    out.write(line(trajectory.states[i].utime, equation, options.regressor).dump() + "\n");
+      const Result<Motion> completed = complete_motion(robot, state);
+      if (const Refusal* refusal = std::get_if<Refusal>(&completed))
+        return refuse_sample(refusal->detail());
+      const Motion& motion = std::get<Motion>(completed);
+      fill(equation, robot, parameters, motion, state.support, coordinates);
+      if (!equation.error.empty())
+        return refuse_sample(equation.error);
+      return answered(utime, equation, robot, motion, options.regressor);
+    };
+    out.write(line().dump() + "\n");
   }
   out.close();
   if (options.offline.out != "-")
-    fmt::print("{}: {} of {} samples, in {} coordinates\n", robot.name, trajectory.states.size() - refused,
+    fmt::print("{}: {} of {} samples, in {} coordinates\n", robot.name, trajectory.states.size() - refused_samples,
                trajectory.states.size(), options.coordinates);
   return ExitCode::done;
 }
@@ -110,7 +121,8 @@ Subcommand add_dynamics(CLI::App& torquectl)
                 "each alpha stands for");
   app->footer(
       "M a + C v + g = B tau + J' w. Rows and columns are the robot's coordinates, then the base point's x and z "
-      "if its root floats.\n\n"
+      "if its root floats. power: of "
+      "the generalized force, the rate of the energy; SI.\n\n"
       "Example, in the source directory:\n"
       "  torquectl dynamics client/trajectories/subject01-walk/walk.csv --robot human-subject01 -o /tmp/d.json");
   return {app, [options]

@@ -179,8 +179,10 @@ ExitCode model(const Options& options)
                                     : to_companion_toml(robot, options.toml_for));
     return ExitCode::done;
   }
-  fmt::print("{}: {:.6g} kg, gravity {:g} m/s², leg length {:.4g} m, model_id {}\n", robot.name, robot.mechanism.mass(),
-             robot.mechanism.gravity(), robot.leg_length, robot.model_id);
+  const bool walks = !robot.fixed_root() && robot.foot(Side::left).exists();
+  fmt::print("{}: {:.6g} kg, gravity {:g} m/s²{}, model_id {}\n", robot.name, robot.mechanism.mass(),
+             robot.mechanism.gravity(), walks ? fmt::format(", leg length {:.4g} m", robot.leg_length) : std::string(),
+             robot.model_id);
   if (!robot.source.empty())
     fmt::print("{}\n", robot.source);
   print_links(robot);

@@ -78,21 +78,27 @@ inline std::vector<Robot> all_kinds_of_robots()
   return robots;
 }
 
-/// The same with rotors and friction on the motors of those that do not ship.
+/// Gives every motor a rotor and all kinds of friction.
+inline void make_motors_real(Robot& robot, oracle::Random& random)
+{
+  for (Actuator& actuator : robot.actuators)
+  {
+    actuator.rotor_inertia = oracle::uniform(random, 0.1, 1.0);
+    actuator.coulomb = oracle::uniform(random, 0.1, 2.0);
+    actuator.viscous = oracle::uniform(random, 0.1, 2.0);
+    actuator.stribeck = oracle::uniform(random, 0.1, 2.0);
+    actuator.stribeck_velocity = oracle::uniform(random, 0.5, 2.0);
+    actuator.friction_offset = oracle::uniform(random, -1.0, 1.0);
+  }
+}
+
+/// All kinds of robots, real motors on those that do not ship.
 inline std::vector<Robot> all_kinds_of_motors()
 {
   std::vector<Robot> robots = all_kinds_of_robots();
   oracle::Random random(203);
   for (std::size_t i = shipped_robot_names().size(); i < robots.size(); ++i)
-    for (Actuator& actuator : robots[i].actuators)
-    {
-      actuator.rotor_inertia = oracle::uniform(random, 0.1, 1.0);
-      actuator.coulomb = oracle::uniform(random, 0.1, 2.0);
-      actuator.viscous = oracle::uniform(random, 0.1, 2.0);
-      actuator.stribeck = oracle::uniform(random, 0.1, 2.0);
-      actuator.stribeck_velocity = oracle::uniform(random, 0.5, 2.0);
-      actuator.friction_offset = oracle::uniform(random, -1.0, 1.0);
-    }
+    make_motors_real(robots[i], random);
   return robots;
 }
 

@@ -503,15 +503,7 @@ TEST_CASE("motors give what rotors and friction take on top, and the ground feel
   {
     const Robot ideal = load_robot(name);
     Robot real = ideal;
-    for (Actuator& actuator : real.actuators)
-    {
-      actuator.rotor_inertia = oracle::uniform(random, 0.1, 1.0);
-      actuator.coulomb = oracle::uniform(random, 0.1, 2.0);
-      actuator.viscous = oracle::uniform(random, 0.1, 2.0);
-      actuator.stribeck = oracle::uniform(random, 0.1, 2.0);
-      actuator.stribeck_velocity = oracle::uniform(random, 0.5, 2.0);
-      actuator.friction_offset = oracle::uniform(random, -1.0, 1.0);
-    }
+    make_motors_real(real, random);
     for (int i = 0; i < 200; ++i)
     {
       CAPTURE(name, i);

@@ -189,6 +189,31 @@ TEST_CASE("the compass biped's published motions need the published torques", "[
   }
 }
 
+TEST_CASE("along a motion the energy changes at the rate of the power", "[torquectl_dynamics]")
+{
+  const TemporaryFolder folder;
+  const std::string out = folder.file("d.json");
+  REQUIRE(run({"dynamics", TRAJECTORIES "/compass/case-b.csv", "--robot", "compass", "-o", out}).code == 0);
+  const std::vector<Json> equations = objects(out);
+  const auto energy = [&](std::size_t i)
+  {
+    return equations[i]["kinetic_energy"].get<double>() + equations[i]["potential_energy"].get<double>();
+  };
+  for (std::size_t i = 2; i + 2 < equations.size(); ++i)
+  {
+    // differences of fourth order, 10 ms apart, of a motion with a period of 6 s
+    const double rate = (energy(i - 2) - 8.0 * energy(i - 1) + 8.0 * energy(i + 1) - energy(i + 2)) / (12.0 * 0.01);
+    CHECK(std::abs(rate - equations[i]["power"].get<double>()) < 1e-6);
+  }
+  // at rest both legs of case a: 5 kg half way up the stance leg, 10 and 5 kg at the hip's height; the swing leg is
+  // level
+  REQUIRE(run({"dynamics", TRAJECTORIES "/compass/case-a.csv", "--robot", "compass", "-o", out}).code == 0);
+  const Json resting = objects(out).front();
+  CHECK(resting["kinetic_energy"] == 0.0);
+  CHECK(resting["power"] == 0.0);
+  CHECK(mismatch(resting["potential_energy"].get<double>(), 9.81 * std::sqrt(0.5) * (2.5 + 15.0), 1e-12) == "");
+}
+
 TEST_CASE("a sample that has no answer has a line that says why", "[torquectl_dynamics]")
 {
   const TemporaryFolder folder;
