@@ -2,10 +2,12 @@
 #include "client/files.h"
 #include "client/offline.h"
 #include "client/subcommands.h"
+#include "daemon/answer.h"
 #include "daemon/answer_dynamics.h"
 
 #include <CLI/CLI.hpp>
 
+#include <cmath>
 #include <fmt/format.h>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -64,12 +66,17 @@ Json answered(std::int64_t utime, const dynamics_t& equation, const Robot& robot
 
 ExitCode dynamics(const Options& options)
 {
+  const std::string& path = options.offline.out;
+  if (!path.ends_with(".json") && !path.ends_with(".jsonl") && path != "-")
+    throw Failure(ExitCode::usage,
+                  fmt::format("-o: found \"{}\"; expected a name that ends in .json or .jsonl, or -", path));
   const auto [config, robot, trajectory] = read_offline_input(options.offline);
   const std::vector<BaseParameter> parameters =
       options.regressor ? base_parameters(robot) : std::vector<BaseParameter>();
   const Coordinates coordinates = options.coordinates == "absolute" ? Coordinates::absolute : Coordinates::relative;
-  OutputFile out(options.offline.out);
+  OutputFile out(path);
   dynamics_t equation{};
+  flush_denormals();
   std::vector<std::byte> buffer;
   std::size_t refused_samples = 0;
   for (std::size_t i = 0; i < trajectory.states.size(); ++i)
@@ -91,15 +98,18 @@ ExitCode dynamics(const Options& options)
       if (const Refusal* refusal = std::get_if<Refusal>(&completed))
         return refuse_sample(refusal->detail());
       const Motion& motion = std::get<Motion>(completed);
-      fill(equation, robot, parameters, motion, state.support, coordinates);
+      describe_motion(equation, robot, parameters, motion, state.support, coordinates);
       if (!equation.error.empty())
         return refuse_sample(equation.error);
-      return answered(utime, equation, robot, motion, options.regressor);
+      Json json = answered(utime, equation, robot, motion, options.regressor);
+      if (!std::isfinite(json["kinetic_energy"].get<double>()) || !std::isfinite(json["power"].get<double>()))
+        return refuse_sample("the energy is not finite; the motion's numbers are too large");
+      return json;
     };
     out.write(line().dump() + "\n");
   }
   out.close();
-  if (options.offline.out != "-")
+  if (path != "-")
     fmt::print("{}: {} of {} samples, in {} coordinates\n", robot.name, trajectory.states.size() - refused_samples,
                trajectory.states.size(), options.coordinates);
   return ExitCode::done;
@@ -112,7 +122,7 @@ Subcommand add_dynamics(CLI::App& torquectl)
   const auto options = std::make_shared<Options>();
   CLI::App* app = torquectl.add_subcommand(
       "dynamics", "the equation of motion along a trajectory: M, C, h, g, B, J, one JSON object per sample");
-  add_offline_options(*app, options->offline, "where the objects go, one line each; - for the terminal");
+  add_offline_options(*app, options->offline, ".json or .jsonl, one object per line; - for the terminal");
   app->add_option("--coordinates", options->coordinates, "absolute (default) or relative")
       ->check(CLI::IsMember({"absolute", "relative"}))
       ->type_name("KIND");
@@ -122,7 +132,8 @@ Subcommand add_dynamics(CLI::App& torquectl)
   app->footer(
       "M a + C v + g = B tau + J' w. Rows and columns are the robot's coordinates, then the base point's x and z "
       "if its root floats. power: of "
-      "the generalized force, the rate of the energy; SI.\n\n"
+      "the generalized force, the rate of the energy; SI. A fixed root's own "
+      "contact has no rows in J.\n\n"
       "Example, in the source directory:\n"
       "  torquectl dynamics client/trajectories/subject01-walk/walk.csv --robot human-subject01 -o /tmp/d.json");
   return {app, [options]

@@ -75,7 +75,8 @@ std::string joint_details(const Link& link)
 
 void print_links(const Robot& robot)
 {
-  fmt::print("\nlinks: x forward, z up in the link's frame, at its joint to the parent\n"
+  fmt::print("\nlinks: x forward, z up in the link's frame, at its joint to the parent (rolling: at the centre of "
+             "its own circle, `at` that of the parent's)\n"
              "  {:<16} {:<16} {:<9} {:<18} {:>8}  {:<18} {:>12}\n",
              "name", "parent", "joint", "at (m)", "mass kg", "com (m)", "inertia kg m²");
   for (const Link& link : robot.links)
@@ -174,6 +175,8 @@ ExitCode model(const Options& options)
   const Robot robot = load_robot(options.robot);
   if (options.toml || options.urdf || !options.toml_for.empty())
   {
+    if (!options.toml_for.empty())
+      to_urdf(robot); // what has no URDF has no file that completes it
     fmt::print("{}", options.toml   ? whole_toml(options.robot, robot)
                      : options.urdf ? to_urdf(robot)
                                     : to_companion_toml(robot, options.toml_for));
@@ -209,6 +212,8 @@ Subcommand add_model(CLI::App& torquectl)
   app->add_option("--toml-for", options->toml_for,
                   "print what its URDF leaves out, feet, limits and more, as a TOML file that names this URDF")
       ->type_name("FILE.urdf")
+      ->check([](const std::string& name)
+              { return name.ends_with(".urdf") ? std::string() : "expected a name that ends in .urdf"; })
       ->excludes(list)
       ->excludes(toml)
       ->excludes(urdf);

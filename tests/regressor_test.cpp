@@ -156,3 +156,25 @@ TEST_CASE("base parameters are the sums that the closed form shows", "[regressor
     CHECK(mismatch(value_of(found, "m(trunk)"), mt - 2.0 * separate, 1e-10) == "");
   }
 }
+
+TEST_CASE("friction shows in Y at any rate, however slow its own", "[regressor]")
+{
+  oracle::Random random(4);
+  for (const double slow : {1e-3, 1e-2, 0.1, 1.0, 10.0})
+  {
+    Robot robot = load_robot("rabbit");
+    make_motors_real(robot, random);
+    for (Actuator& actuator : robot.actuators)
+      actuator.stribeck_velocity = slow;
+    const std::vector<BaseParameter> parameters = base_parameters(robot);
+    for (int i = 0; i < 20; ++i)
+    {
+      CAPTURE(slow, i);
+      State state = of_mechanism(robot, random_state(random, robot));
+      state.v *= 0.25 * slow;
+      VectorQ r = inverse_dynamics(robot.mechanism, kinematics(robot.mechanism, state.q, state.v), state.a);
+      r.head(robot.mechanism.num_theta()) += joint_forces(robot, joint_friction(robot, state.v, state.a));
+      CHECK(mismatch(regressor(robot, parameters, motion_of(robot, state)) * values(parameters), r, 1e-10) == "");
+    }
+  }
+}

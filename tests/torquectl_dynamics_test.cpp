@@ -218,15 +218,17 @@ TEST_CASE("a sample that has no answer has a line that says why", "[torquectl_dy
 {
   const TemporaryFolder folder;
   const std::string file = folder.write("m.csv", "time,q1,q2,dq1,dq2,ddq1,ddq2,contactL,contactR\n"
-                                                 "0,1,1,0,0,0,0,sole,none\n1,1,1,0,0,0,0,heel,none\n");
+                                                 "0,1,1,0,0,0,0,sole,none\n1,1,1,0,0,0,0,heel,none\n"
+                                                 "2,1,1,1e120,0,0,0,sole,none\n");
   const Run done = run({"dynamics", file, "--robot", "compass", "-o", folder.file("d.json")});
   CHECK(done.code == 0);
-  CHECK(done.out == "compass: 1 of 2 samples, in absolute coordinates\n");
+  CHECK(done.out == "compass: 1 of 3 samples, in absolute coordinates\n");
   CHECK(done.err.find(file + ":3: left_contact is 1, but the left foot is fixed to the world") != std::string::npos);
   const std::vector<Json> equations = objects(folder.file("d.json"));
   CHECK(equations[0].contains("M"));
   CHECK(equations[1]["utime"] == 1'000'000);
   CHECK(equations[1]["error"].get<std::string>().find("stands as SOLE (2)") != std::string::npos);
+  CHECK(equations[2]["error"].get<std::string>().find("not finite") != std::string::npos);
 
   REQUIRE(run({"wrenches", file, "--robot", "compass", "-o", folder.file("w.csv")}).code == 0);
   const auto table = rows(folder.file("w.csv"));

@@ -414,8 +414,13 @@ friction = 0.4
   check_same_numbers(by_way_of_urdf(robot), robot, 1e-12);
   CHECK(read_toml_robot(to_toml(robot), "again.toml").model_id == robot.model_id);
 
-  const Robot sole =
-      read_toml_robot(replaced(text, "link = \"other_leg\"\nankle", "link = \"pegleg\"\nankle"), "r.toml");
+  // the feet change legs
+  const std::string peg_to_other = replaced(text, "link = \"pegleg\"\nankle", "link = \"other_leg\"\nankle");
+  const std::size_t right = peg_to_other.find("side = \"right\"\nlink = \"other_leg\"");
+  REQUIRE(right != std::string::npos);
+  const Robot sole = read_toml_robot(
+      peg_to_other.substr(0, right) + replaced(peg_to_other.substr(right), "link = \"other_leg\"", "link = \"pegleg\""),
+      "r.toml");
   CHECK_THROWS_WITH(by_way_of_urdf(sole), Catch::Matchers::StartsWith("link 'pegleg' rides on 'shin' at an angle"));
 }
 
@@ -640,7 +645,8 @@ TEST_CASE("a bad URDF is refused with file, line, key and what would be right", 
       {shin_mass, "<mass value=\"1\">2</mass>", "<mass value=\"1\">", "mass: found the text \"2\"; expected elements"},
       {shin_mass, shin_mass + "\n<mass value=\"3\"/>", "<mass value=\"3\"/>", "mass: is there twice; expected one"},
       {shin_mass, "", "<inertial>\n      <origin xyz=\"0.02 -0.16", "link 'shin': inertial: <mass> is missing"},
-      {"izz=\"0.028\"", "izz=\"-0.028\"", "-0.028", "link 'shin': inertia: is -0.028"},
+      {"izz=\"0.028\"", "izz=\"-0.028\"", "-0.028",
+       "link 'shin': inertial: inertia: izz: found -0.028; expected a number that is not negative"},
       {"ixz=\"0.002\" ", "", "iyy=\"0.02\"", "link 'shin': inertial: inertia: ixz: is missing"},
       {"izz=\"0.028\"", "izz=\"0.028\" ixx2=\"1\"", "ixx2", "inertia: ixx2: is not known here"},
       {"xyz=\"0 0 -0.4\"", "xyz=\"0 0\"", "xyz=\"0 0\"",
@@ -685,7 +691,7 @@ TEST_CASE("a bad URDF is refused with file, line, key and what would be right", 
       {"<collision/>", "<inertial/>", "<inertial/>", "link 'thigh': inertial: is there twice"},
       {before_end, "\n<xacro:leg side=\"left\"/></robot>", "xacro:leg", "run the file through xacro first"},
       {before_end, "</robot>\n<robot name=\"two\"/>", "\"two\"", "expected one element <robot>, and nothing else"},
-      {before_end, "</robot>\ntrailing", "trailing", "not XML: a text does not end"},
+      {before_end, "</robot>\ntrailing", "trailing", "not XML: found text where an element <robot> is expected"},
       {before_end, "</robot a=\"1\">", "</robot", "a closing tag with an attribute"},
       {"<robot ", "<!DOCTYPE robot [<!ENTITY a \"1\">]>\n<robot ", "DOCTYPE", "found <!; a file with a DOCTYPE"},
       {"name=\"trunk\"", "name=\"trunk\" name=\"trunk\"", "<link name=\"trunk\" name",

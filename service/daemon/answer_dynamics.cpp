@@ -24,19 +24,19 @@ template <typename Vector> void copy_vector(const Vector& from, std::vector<doub
   to.assign(from.begin(), from.end());
 }
 
-bool finite(const EquationOfMotion& equation)
+bool finite(const EquationOfMotion& equation, const Eigen::MatrixXd& Y)
 {
   const auto all = [](const auto& matrix)
   {
     return std::all_of(matrix.data(), matrix.data() + matrix.size(), is_finite);
   };
   return all(equation.M) && all(equation.C) && all(equation.h) && all(equation.g) && all(equation.J) &&
-         all(equation.Jdot_v) && all(equation.generalized_force);
+         all(equation.Jdot_v) && all(equation.generalized_force) && all(Y);
 }
 
 } // namespace
 
-void refuse(dynamics_t& reply, const Robot& robot, std::int64_t request_id, std::string_view error)
+void refuse_request(dynamics_t& reply, const Robot& robot, std::int64_t request_id, std::string_view error)
 {
   reply.request_id = request_id;
   reply.model_id = robot.model_id;
@@ -45,12 +45,13 @@ void refuse(dynamics_t& reply, const Robot& robot, std::int64_t request_id, std:
   reply.num_reduced = reply.num_multipliers = 0;
 }
 
-void fill(dynamics_t& reply, const Robot& robot, const std::vector<BaseParameter>& parameters, const Motion& motion,
-          const Support& support, Coordinates coordinates)
+void describe_motion(dynamics_t& reply, const Robot& robot, const std::vector<BaseParameter>& parameters,
+                     const Motion& motion, const Support& support, Coordinates coordinates)
 {
   const EquationOfMotion equation = equation_of_motion(robot, motion, support, coordinates);
-  if (!finite(equation))
-    return refuse(reply, robot, reply.request_id, "a result is not finite; the motion's numbers are too large");
+  const Eigen::MatrixXd Y = regressor(robot, parameters, motion);
+  if (!finite(equation, Y))
+    return refuse_request(reply, robot, reply.request_id, "a result is not finite; the motion's numbers are too large");
   reply.model_id = robot.model_id;
   reply.error.clear();
   reply.n = equation.n;
@@ -67,7 +68,6 @@ void fill(dynamics_t& reply, const Robot& robot, const std::vector<BaseParameter
   copy_vector(equation.Jdot_v, reply.Jdot_v);
   copy_vector(equation.generalized_force, reply.generalized_force);
 
-  const Eigen::MatrixXd Y = regressor(robot, parameters, motion);
   Eigen::MatrixXd shown(equation.n, Y.cols());
   reply.alpha.clear();
   for (std::size_t i = 0; i < parameters.size(); ++i)
@@ -87,15 +87,15 @@ void answer_dynamics(const Robot& robot, const std::vector<BaseParameter>& param
 {
   const Result<DynamicsRequest> decoded = decode_dynamics_request(request, robot);
   if (const Refusal* refusal = std::get_if<Refusal>(&decoded))
-    return refuse(reply, robot, read_request_id(request), refusal->detail());
+    return refuse_request(reply, robot, read_request_id(request), refusal->detail());
   const DynamicsRequest& wanted = std::get<DynamicsRequest>(decoded);
   const Result<Motion> motion = complete_motion(robot, wanted.state);
   if (const Refusal* refusal = std::get_if<Refusal>(&motion))
-    return refuse(reply, robot, wanted.request_id, refusal->detail());
+    return refuse_request(reply, robot, wanted.request_id, refusal->detail());
   reply.request_id = wanted.request_id;
   static const std::vector<BaseParameter> none;
-  fill(reply, robot, wanted.want_regressor ? parameters : none, std::get<Motion>(motion), wanted.state.support,
-       wanted.coordinates);
+  describe_motion(reply, robot, wanted.want_regressor ? parameters : none, std::get<Motion>(motion),
+                  wanted.state.support, wanted.coordinates);
 }
 
 } // namespace torqued

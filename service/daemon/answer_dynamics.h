@@ -14,10 +14,10 @@ void answer_dynamics(const Robot& robot, const std::vector<BaseParameter>& param
                      dynamics_t& reply);
 
 /// Refuses a request; error: one line, what was wrong and what would be right.
-void refuse(dynamics_t& reply, const Robot& robot, std::int64_t request_id, std::string_view error);
+void refuse_request(dynamics_t& reply, const Robot& robot, std::int64_t request_id, std::string_view error);
 
 /// Describes a motion: all but request_id, error empty. parameters: empty if Y is not wanted.
-void fill(dynamics_t& reply, const Robot& robot, const std::vector<BaseParameter>& parameters, const Motion& motion,
-          const Support& support, Coordinates coordinates);
+void describe_motion(dynamics_t& reply, const Robot& robot, const std::vector<BaseParameter>& parameters,
+                     const Motion& motion, const Support& support, Coordinates coordinates);
 
 } // namespace torqued

@@ -24,7 +24,7 @@ constexpr std::int64_t kBusProof = 1'000'000;    // µs
 // all that waited when it began, and yet a flood cannot keep the newest from its answer.
 constexpr int kQueue = 10'000;
 // Requests for the equation of motion that may wait: one is answered per cycle, after the desired states.
-constexpr std::size_t kRequests = 16;
+constexpr int kRequests = 16;
 
 std::int64_t nanoseconds(clockid_t clock)
 {
@@ -76,6 +76,7 @@ void LcmLoop::listen()
   subscriptions_.push_back(bus_.subscribeFunction(channels_.desired, &LcmLoop::hear_desired, this));
   subscriptions_.back()->setQueueCapacity(kQueue);
   subscriptions_.push_back(bus_.subscribeFunction(channels_.dynamics_request, &LcmLoop::hear_request, this));
+  subscriptions_.back()->setQueueCapacity(kRequests);
   last_awake_ = monotonic_us();
 }
 
@@ -244,21 +245,12 @@ void LcmLoop::reject(const Sender& sender, const Refusal& refusal)
   }
 }
 
-// A request waits until no desired state does. What is too long to be one for this robot, or one too many, is refused
-// at once, so that what waits stays small.
+// A request waits until no desired state does; one too many is dropped, so that a flood costs no more than its
+// reception.
 void LcmLoop::on_request(Bytes message)
 {
-  if (message.size() <= dynamics_request_size(robot_) && requests_.size() < kRequests)
-  {
+  if (requests_.size() < kRequests)
     requests_.emplace_back(message.begin(), message.end());
-    return;
-  }
-  if (requests_.size() >= kRequests)
-    refuse(dynamics_, robot_, read_request_id(message),
-           "too many requests are waiting; ask again when one is answered");
-  else
-    answer_dynamics(robot_, parameters_, message, dynamics_);
-  publish(channels_.dynamics, dynamics_);
 }
 
 void LcmLoop::answer_oldest_request()

@@ -250,7 +250,6 @@ private:
       {
         Actuator actuator;
         actuator.name = link.name;
-        actuator.torque_limit = actuator.rate_limit = INFINITY;
         entries.push_back({actuator, link.name, links_[static_cast<std::size_t>(link.parent)].name, link.name, 0.0,
                            description_.links[i].line, description_.links[i].file});
       }
@@ -301,6 +300,7 @@ private:
       actuator.kappa = robot.kappa(row) = kappa(actuator, entry);
       robot.relative_names.push_back(entry.coordinate);
       robot.actuators.push_back(actuator);
+      actuator_places_.emplace_back(entry.file, entry.line);
     }
     const Link& root = links_[static_cast<std::size_t>(root_)];
     robot.A(num_theta_ - 1, root.coordinate) = 1.0;
@@ -357,6 +357,9 @@ private:
                                 "as high as it, so that the sole is level when the foot's angle is 0",
                                 role, foot.heel_at.x(), foot.heel_at.y(), foot.toe_at.x(), foot.toe_at.y()));
     }
+    if (robot.feet[0].exists() && robot.feet[0].link == robot.feet[1].link)
+      fail(description_.feet.back().line, fmt::format("both feet are on link '{}'; each needs a link of its own",
+                                                      robot.link(robot.feet[0].link).name));
     const auto on_root = [&](const Foot& foot)
     {
       return robot.is_root(foot);
@@ -385,7 +388,7 @@ private:
           way += arm.r.norm();
         length = std::max(length, way);
       }
-      return length;
+      return length > 0.0 ? length : 1.0;
     }
     const VectorQ straight = VectorQ::Zero(robot.mechanism.num_q());
     const Kinematics pose = kinematics(robot.mechanism, straight, straight);
@@ -396,24 +399,40 @@ private:
 
   void check_names(const Robot& robot) const
   {
-    std::vector<std::string> joints;
-    for (const Actuator& actuator : robot.actuators)
-      joints.push_back(actuator.name);
+    Names joints, absolute, relative;
+    for (std::size_t i = 0; i < robot.actuators.size(); ++i)
+    {
+      const auto& [file, line] = actuator_places_[i];
+      joints.push_back({robot.actuators[i].name, file, line});
+      relative.push_back({robot.relative_names[i], file, line});
+    }
+    for (std::size_t i = 0; i < links_.size(); ++i)
+      if (links_[i].coordinate >= 0 && links_[i].coordinate < robot.num_coordinates())
+        absolute.push_back({description_.links[i].coordinate, description_.links[i].file, description_.links[i].line});
+    if (const auto& root = description_.links[static_cast<std::size_t>(root_)]; !fixed_root())
+      relative.push_back({root.coordinate, root.file, root.line});
     check_distinct(joints, "actuators", {});
-    check_distinct(robot.absolute_names, "absolute coordinates", robot.base_names);
-    check_distinct(robot.relative_names, "relative coordinates", robot.base_names);
+    check_distinct(absolute, "absolute coordinates", robot.base_names);
+    check_distinct(relative, "relative coordinates", robot.base_names);
   }
 
-  void check_distinct(const std::vector<std::string>& names, std::string_view what,
-                      const std::array<std::string, 2>& base_names) const
+  // a name, and where it stands
+  struct Name
+  {
+    std::string name, file;
+    int line;
+  };
+  using Names = std::vector<Name>;
+
+  void check_distinct(const Names& names, std::string_view what, const std::array<std::string, 2>& base_names) const
   {
     std::set<std::string> seen;
     for (const std::string& name : base_names)
       if (!name.empty() && !seen.insert(name).second)
         fail(1, fmt::format("both base coordinates are called \"{}\"; names must differ", name));
-    for (const std::string& name : names)
-      if (!seen.insert(name).second)
-        fail(1, fmt::format("two {} are called \"{}\"; names must differ", what, name));
+    for (const Name& name : names)
+      if (!seen.insert(name.name).second)
+        fail(name, fmt::format("two {} are called \"{}\"; names must differ", what, name.name));
   }
 
   // numbers that are fine one by one can still be useless together
@@ -486,6 +505,7 @@ private:
   std::map<std::string, int> index_;
   std::vector<int> order_;
   std::vector<std::string> absolute_names_;
+  std::vector<std::pair<std::string, int>> actuator_places_; // file and line
   Eigen::MatrixXd W_;
   int root_ = -1, num_theta_ = 0;
 };

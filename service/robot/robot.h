@@ -5,6 +5,7 @@
 
 #include <array>
 #include <cstdint>
+#include <limits>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -110,13 +111,13 @@ struct Actuator
   std::string name;
   int on = -1, against = -1; ///< links; the world is the fixed root
   Placement placement = Placement::links;
-  double kappa = 1.0;         ///< κ: 1, or for a rolling joint with a bar the share of its angle that the motor turns
-  double torque_limit;        ///< N m; infinite if there is none
-  double rate_limit;          ///< N m/s; infinite if there is none
-  double rotor_inertia = 0.0; ///< I, reflected to the joint (gear ratio² × the rotor's), kg m²
-  double coulomb = 0.0;       ///< κ_c, N m
-  double viscous = 0.0;       ///< κ_v, N m s/rad
-  double stribeck = 0.0;      ///< κ_s, N m
+  double kappa = 1.0; ///< κ: 1, or for a rolling joint with a bar the share of its angle that the motor turns
+  double torque_limit = std::numeric_limits<double>::infinity(); ///< N m; infinite if there is none
+  double rate_limit = std::numeric_limits<double>::infinity();   ///< N m/s; infinite if there is none
+  double rotor_inertia = 0.0;     ///< I, reflected to the joint (gear ratio² × the rotor's), kg m²
+  double coulomb = 0.0;           ///< κ_c, N m
+  double viscous = 0.0;           ///< κ_v, N m s/rad
+  double stribeck = 0.0;          ///< κ_s, N m
   double stribeck_velocity = 1.0; ///< η_s, rad/s; positive
   double friction_offset = 0.0;   ///< κ_o, N m
   double offset = 0.0;            ///< what its coordinate adds to its angle, rad
@@ -230,13 +231,14 @@ struct RobotDescription
   std::vector<LinkEntry> links;
   std::vector<ActuatorEntry>
       actuators;               ///< if empty: one for each joint that moves, turning the child against its parent
-  std::vector<FootEntry> feet; ///< two; one, on the root, if that is fixed; or none, for a mechanism as such
+  std::vector<FootEntry> feet; ///< two; one or two, one of them on the root, if that is fixed; or none
 };
 
 /// Builds a robot. Throws FileError (strict_toml.h) with file, line and what would be right.
 ///
 /// Its leg length is the distance from the base point to the ankle of the straight robot (all angles 0), the longer
-/// leg's; with a fixed root, or without feet, the longest way along the links from the base point to a frame.
+/// leg's; with a fixed root, or without feet, the longest way along the links from the base point to a centre of mass,
+/// or 1 m if there is none.
 Robot assemble(const RobotDescription& description);
 
 /// Reads a robot from TOML text; file is the name used in complaints. Throws FileError.

@@ -97,14 +97,14 @@ std::string_view meaning(tinyxml2::XMLError error)
   {
   case tinyxml2::XML_ERROR_PARSING_ELEMENT: return "an element is not well formed";
   case tinyxml2::XML_ERROR_PARSING_ATTRIBUTE: return "an attribute is not well formed, or there twice";
-  case tinyxml2::XML_ERROR_PARSING_TEXT: return "a text does not end";
+  case tinyxml2::XML_ERROR_PARSING_TEXT: return "found text where an element <robot> is expected";
   case tinyxml2::XML_ERROR_PARSING_CDATA: return "a CDATA section does not end";
   case tinyxml2::XML_ERROR_PARSING_COMMENT: return "a comment does not end";
   case tinyxml2::XML_ERROR_PARSING_DECLARATION: return "<?...?> does not end, or does not stand at the beginning";
   case tinyxml2::XML_ERROR_EMPTY_DOCUMENT: return "there is nothing in it";
   case tinyxml2::XML_ERROR_MISMATCHED_ELEMENT: return "an element is not closed, or another one is";
   case tinyxml2::XML_ELEMENT_DEPTH_EXCEEDED: return "elements are nested deeper than any robot needs";
-  default: return "it cannot be parsed";
+  default: return "an element is not closed before the end of the file";
   }
 }
 

@@ -14,8 +14,6 @@ namespace torqued
 namespace
 {
 
-constexpr double kNone = INFINITY;
-
 std::string name(StrictTable& table, std::string_view key, std::optional<std::string> fallback = {})
 {
   const std::string text = table.text(key, std::move(fallback));
@@ -153,8 +151,8 @@ RobotDescription::ActuatorEntry read_actuator(StrictTable& table)
   for (const Placement placement : {Placement::links, Placement::bar_parent, Placement::bar_child})
     placements.push_back(name_of(placement));
   actuator.placement = static_cast<Placement>(table.choice("between", placements, 0));
-  actuator.torque_limit = table.magnitude("torque_limit", kNone);
-  actuator.rate_limit = table.magnitude("rate_limit", kNone);
+  actuator.torque_limit = table.magnitude("torque_limit", actuator.torque_limit);
+  actuator.rate_limit = table.magnitude("rate_limit", actuator.rate_limit);
   actuator.rotor_inertia = table.magnitude("rotor_inertia", 0.0);
   actuator.coulomb = table.magnitude("coulomb", 0.0);
   actuator.viscous = table.magnitude("viscous", 0.0);

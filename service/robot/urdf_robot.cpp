@@ -211,6 +211,9 @@ private:
     for (int row = 0; row < 3; ++row)
       for (int column = row; column < 3; ++column)
         I(row, column) = I(column, row) = inertia.number(keys[row][column]);
+    for (int axis = 0; axis < 3; ++axis)
+      if (I(axis, axis) < 0.0)
+        inertia.fail(keys[axis][axis], fmt::format("found {}; expected a number that is not negative", I(axis, axis)));
     inertia.finish();
     inertial.finish();
     link.com = origin.at;
@@ -448,7 +451,6 @@ private:
       entry.offset = 0.0;
       entry.line = joint.line;
       entry.actuator.name = joint.name;
-      entry.actuator.torque_limit = entry.actuator.rate_limit = INFINITY;
       description.actuators.push_back(entry);
     }
     return description;

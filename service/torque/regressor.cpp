@@ -84,19 +84,22 @@ std::vector<BaseParameter> standard_parameters(const Robot& robot)
   return parameters;
 }
 
-std::vector<BaseParameter> motor_parameters(const Robot& robot)
+// A number of every motor and what it is called.
+struct MotorField
 {
-  struct Field
-  {
-    std::string_view symbol;
-    double Actuator::*value;
-  };
-  constexpr std::array<Field, 5> fields{{{"I", &Actuator::rotor_inertia},
-                                         {"coulomb", &Actuator::coulomb},
-                                         {"viscous", &Actuator::viscous},
-                                         {"stribeck", &Actuator::stribeck},
-                                         {"offset", &Actuator::friction_offset}}};
-  std::vector<BaseParameter> parameters;
+  std::string_view symbol;
+  double Actuator::*value;
+};
+constexpr std::array<MotorField, 1> kRotor{{{"I", &Actuator::rotor_inertia}}};
+constexpr std::array<MotorField, 4> kFriction{{{"coulomb", &Actuator::coulomb},
+                                               {"viscous", &Actuator::viscous},
+                                               {"stribeck", &Actuator::stribeck},
+                                               {"offset", &Actuator::friction_offset}}};
+
+template <std::size_t N>
+void add_motor_parameters(const Robot& robot, const std::array<MotorField, N>& fields,
+                          std::vector<BaseParameter>& parameters)
+{
   for (int j = 0; j < robot.num_joints(); ++j)
   {
     const Actuator& actuator = robot.actuators[static_cast<std::size_t>(j)];
@@ -111,7 +114,6 @@ std::vector<BaseParameter> motor_parameters(const Robot& robot)
                             Mechanism(robot.mechanism.W(), {}, robot.mechanism.gravity()), j, motor});
     }
   }
-  return parameters;
 }
 
 // Y at many states, one below the other, in the rows that the robot's coordinates show
@@ -152,8 +154,7 @@ Eigen::MatrixXd stacked_regressor(const Robot& robot, const std::vector<BasePara
 std::vector<BaseParameter> base_parameters(const Robot& robot)
 {
   std::vector<BaseParameter> standard = standard_parameters(robot);
-  const std::vector<BaseParameter> motors = motor_parameters(robot);
-  standard.insert(standard.end(), motors.begin(), motors.end());
+  add_motor_parameters(robot, kRotor, standard);
   const Eigen::MatrixXd Y = stacked_regressor(robot, standard);
 
   // keep each column that those kept before do not give (Gram and Schmidt, twice for rounding's sake), and add the
@@ -193,6 +194,9 @@ std::vector<BaseParameter> base_parameters(const Robot& robot)
             standard[i].name);
       }
   }
+
+  // nothing else is a sign, or linear, in a motor's rate: friction always shows
+  add_motor_parameters(robot, kFriction, parameters);
   return parameters;
 }
 
