@@ -75,8 +75,8 @@ std::string joint_details(const Link& link)
 
 void print_links(const Robot& robot)
 {
-  fmt::print("\nlinks: x forward, z up in the link's frame, at its joint to the parent (rolling: at the centre of "
-             "its own circle, `at` that of the parent's)\n"
+  fmt::print("\nlinks: x forward, z up in the link's frame, at its joint to the parent; of one that rolls, at the "
+             "centre\nof its own circle, and `at` is the centre of the parent's\n"
              "  {:<16} {:<16} {:<9} {:<18} {:>8}  {:<18} {:>12}\n",
              "name", "parent", "joint", "at (m)", "mass kg", "com (m)", "inertia kg m²");
   for (const Link& link : robot.links)
@@ -100,8 +100,22 @@ void print_coordinates(const Robot& robot)
     fmt::print("base point: {}, m\n", fmt::join(robot.base_names, ", "));
 }
 
+// of a motor's numbers
+struct Units
+{
+  std::string_view torque, rate, inertia, viscous, speed;
+};
+constexpr Units kTurning{"N m", "N m/s", "kg m²", "N m s/rad", "rad/s"};
+constexpr Units kSliding{"N", "N/s", "kg", "N s/m", "m/s"};
+
+const Units& units_of(const Robot& robot, const Actuator& actuator)
+{
+  const Link& on = robot.link(actuator.on);
+  return on.joint == JointKind::slide && on.parent == actuator.against ? kSliding : kTurning;
+}
+
 // what the columns do not say of an actuator
-std::string actuator_details(const Actuator& actuator)
+std::string actuator_details(const Actuator& actuator, const Units& units)
 {
   std::string text;
   const auto add = [&text](double value, std::string_view name, std::string_view unit)
@@ -111,13 +125,13 @@ std::string actuator_details(const Actuator& actuator)
   };
   if (actuator.placement != Placement::links)
     text = fmt::format("  between {}, kappa {:.4g}", name_of(actuator.placement), actuator.kappa);
-  add(actuator.rotor_inertia, "rotor inertia", "kg m²");
-  add(actuator.coulomb, "Coulomb friction", "N m");
-  add(actuator.viscous, "viscous friction", "N m s/rad");
-  add(actuator.stribeck, "Stribeck friction", "N m");
+  add(actuator.rotor_inertia, "rotor inertia", units.inertia);
+  add(actuator.coulomb, "Coulomb friction", units.torque);
+  add(actuator.viscous, "viscous friction", units.viscous);
+  add(actuator.stribeck, "Stribeck friction", units.torque);
   if (actuator.stribeck != 0.0)
-    add(actuator.stribeck_velocity, "at", "rad/s");
-  add(actuator.friction_offset, "friction offset", "N m");
+    add(actuator.stribeck_velocity, "at", units.speed);
+  add(actuator.friction_offset, "friction offset", units.torque);
   return text;
 }
 
@@ -127,13 +141,21 @@ void print_actuators(const Robot& robot)
              "  {:<16} {:<16} {:<16} {:<14} {}\n",
              "name", "on", "against", "torque limit", "rate limit");
   for (const Actuator& actuator : robot.actuators)
+  {
+    const Units& units = units_of(robot, actuator);
     fmt::print("  {:<16} {:<16} {:<16} {:<14} {}{}\n", actuator.name, link_name(robot, actuator.on),
-               link_name(robot, actuator.against), limit(actuator.torque_limit, "N m"),
-               limit(actuator.rate_limit, "N m/s"), actuator_details(actuator));
+               link_name(robot, actuator.against), limit(actuator.torque_limit, units.torque),
+               limit(actuator.rate_limit, units.rate), actuator_details(actuator, units));
+  }
 }
 
 void print_feet(const Robot& robot)
 {
+  if (!robot.foot(Side::left).exists() && !robot.foot(Side::right).exists())
+  {
+    fmt::print("\nfeet: none, so no contact with the ground is possible\n");
+    return;
+  }
   fmt::print("\nfeet: points in the link's frame, m\n  {:<6} {:<16} {:<20} {:<20} {:<20} {}\n", "side", "link", "ankle",
              "heel", "toe", "friction");
   for (const Foot& foot : robot.feet)

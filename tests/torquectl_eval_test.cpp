@@ -570,6 +570,14 @@ TEST_CASE("a robot's printed file is the robot, and its description names every 
   const std::string compass = run({"model", "--robot", "compass"}).out;
   CHECK(compass.find("\n  q1 = theta_s + 1.5708\n  q2 = theta_ns - theta_s - 3.14159\n") != std::string::npos);
   CHECK(compass.find("\nthe root, stance_foot, is fixed to the world\n") != std::string::npos);
+
+  // what slides has newtons
+  std::string itlag = run({"model", "--robot", "bip-itlag", "--toml"}).out;
+  const std::string slide = "on = \"counterweight\"";
+  REQUIRE(itlag.find(slide) != std::string::npos);
+  itlag.replace(itlag.find(slide), slide.size(), "torque_limit = 30.0\nviscous = 1.5\n" + slide);
+  const std::string described = run({"model", "--robot", folder.write("i.toml", itlag)}).out;
+  CHECK(described.find(" 30 N           none  viscous friction 1.5 N s/m\n") != std::string::npos);
 }
 
 TEST_CASE("a robot is printed as URDF, and what its URDF leaves out as TOML", "[torquectl_eval]")
