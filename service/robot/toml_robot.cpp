@@ -23,6 +23,16 @@ std::string name(StrictTable& table, std::string_view key, std::optional<std::st
   return text;
 }
 
+std::array<std::string, 2> read_base(StrictTable& table, const std::array<std::string, 2>& fallback)
+{
+  const std::array<std::string, 2> names = table.two_texts("base", fallback);
+  for (const std::string& text : names)
+    if (!is_name(text))
+      table.fail("base", fmt::format("found \"{}\"; expected two names of 1 to {} letters, digits, _ or -",
+                                     printable(text, kLongestName), kLongestName));
+  return names;
+}
+
 void read_drawing(StrictTable& table, Link& link)
 {
   std::vector<StrictTable> segments = table.tables("draw", fmt::format("link '{}': draw", link.name));
@@ -56,7 +66,7 @@ RobotDescription::LinkEntry read_link(StrictTable& table, std::array<std::string
   link.joint = kJointKinds[static_cast<std::size_t>(table.choice("joint", kinds))];
 
   if (link.joint == JointKind::floating)
-    base_names = table.two_texts("base", base_names);
+    base_names = read_base(table, base_names);
   else
     entry.parent = name(table, "parent");
   if (link.joint != JointKind::floating && entry.parent != kWorld)
@@ -120,7 +130,7 @@ std::string complete_link(StrictTable& table, RobotDescription& description)
     if (table.has(key))
       table.fail(key, fmt::format("comes from the URDF, {}:{}; change it there", entry->file, entry->line));
   if (entry->link.joint == JointKind::floating)
-    description.base_names = table.two_texts("base", description.base_names);
+    description.base_names = read_base(table, description.base_names);
   if (moves(entry->link))
     entry->coordinate = name(table, "coordinate", link);
   read_drawing(table, entry->link);
