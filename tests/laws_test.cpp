@@ -49,15 +49,7 @@ double potential_energy_at(const Robot& robot, const VectorQ& q)
 // all coordinates of the mechanism move, those of a fixed root, too
 State random_mechanism_state(oracle::Random& random, const Robot& robot)
 {
-  const int n = robot.mechanism.num_q();
-  State state{Eigen::VectorXd(n), Eigen::VectorXd(n), Eigen::VectorXd(n)};
-  for (int i = 0; i < n; ++i)
-  {
-    state.q(i) = oracle::uniform(random, -3.0, 3.0);
-    state.v(i) = oracle::uniform(random, -4.0, 4.0);
-    state.a(i) = oracle::uniform(random, -30.0, 30.0);
-  }
-  return state;
+  return random_state(random, robot.mechanism.num_q());
 }
 
 // of vᵀ f: its terms may cancel

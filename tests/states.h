@@ -28,9 +28,8 @@ struct State
 };
 
 /// Any pose, rates of some rad/s, accelerations of some ten rad/s².
-inline State random_state(oracle::Random& random, const Robot& robot)
+inline State random_state(oracle::Random& random, int n)
 {
-  const int n = robot.num_coordinates() + (robot.fixed_root() ? 0 : 2);
   State state{Eigen::VectorXd(n), Eigen::VectorXd(n), Eigen::VectorXd(n)};
   for (int i = 0; i < n; ++i)
   {
@@ -39,6 +38,10 @@ inline State random_state(oracle::Random& random, const Robot& robot)
     state.a(i) = oracle::uniform(random, -30.0, 30.0);
   }
   return state;
+}
+inline State random_state(oracle::Random& random, const Robot& robot)
+{
+  return random_state(random, robot.num_coordinates() + (robot.fixed_root() ? 0 : 2));
 }
 
 /// In the coordinates of the mechanism: a fixed root's angle and the base point, at rest, are among them.
