@@ -144,7 +144,11 @@ public:
 
   void foot(Side side, const char* link, double heel_x, double toe_x, double sole_z, double friction)
   {
-    const Foot foot{side, -1, {0.0, 0.0}, {heel_x, sole_z}, {toe_x, sole_z}, friction, {}, {}, {}};
+    Foot foot;
+    foot.side = side;
+    foot.heel_at = {heel_x, sole_z};
+    foot.toe_at = {toe_x, sole_z};
+    foot.friction = friction;
     description_.feet.push_back({foot, link, 1});
   }
 

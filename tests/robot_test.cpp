@@ -5,8 +5,11 @@
 #include "robot/robot.h"
 #include "robot/strict_toml.h"
 
+#include <algorithm>
 #include <fstream>
+#include <iterator>
 #include <nlohmann/json.hpp>
+#include <sstream>
 
 using namespace torqued;
 
@@ -123,6 +126,44 @@ TEST_CASE("relative coordinates are the actuators' angles, then the root's", "[r
                                                          "right_knee", "right_ankle", "q6"});
 }
 
+TEST_CASE("the trunk is half way between the feet, and each leg is what hangs between it and a foot", "[robot]")
+{
+  const auto legs = [](const Robot& robot)
+  {
+    std::string text = robot.trunk < 0 ? "" : robot.link(robot.trunk).name + ":";
+    for (std::size_t i = 0; i < robot.links.size(); ++i)
+      if (robot.leg[i])
+        text += " " + robot.links[i].name + (*robot.leg[i] == Side::left ? " left" : " right");
+    return text;
+  };
+  const std::string seven =
+      "trunk: left_foot left, left_shin left, left_thigh left, right_thigh right, right_shin right, "
+      "right_foot right";
+  const auto sorted = [](std::string text)
+  {
+    std::replace(text.begin(), text.end(), ',', ' ');
+    std::istringstream words(text);
+    std::vector<std::string> all{std::istream_iterator<std::string>(words), {}};
+    std::sort(all.begin(), all.end());
+    return all;
+  };
+  CHECK(sorted(legs(load_robot("ck"))) == sorted(seven));
+  CHECK(sorted(legs(load_robot("rk"))) == sorted(seven));
+  // the tree begins at the left foot; the legs are the same
+  CHECK(sorted(legs(load_robot("six-link"))) == sorted(seven));
+  CHECK(sorted(legs(load_robot("rabbit"))) ==
+        sorted("trunk: left_shin left, left_thigh left, right_thigh right, right_shin right"));
+  // one foot only
+  CHECK(load_robot("compass").trunk == -1);
+  CHECK(legs(load_robot("compass")).empty());
+  // what hangs on the trunk is carried with it, what hangs on a leg is the leg's
+  const std::string more =
+      "[[link]]\nname = \"arm\"\njoint = \"fixed\"\nparent = \"trunk\"\nmass = 1\ncom = [0, 0]\n"
+      "inertia = 0\n[[link]]\nname = \"bag\"\njoint = \"fixed\"\nparent = \"left_thigh\"\nmass = 1\n"
+      "com = [0, 0]\ninertia = 0\n";
+  CHECK(sorted(legs(read_toml_robot(ck_text() + more, "more.toml"))) == sorted(seven + " bag left"));
+}
+
 TEST_CASE("human-subject01 has the numbers published with the measured walk", "[robot]")
 {
   std::ifstream file(TRAJECTORIES "/subject01-walk/params.json");
@@ -179,6 +220,7 @@ TEST_CASE("the model id changes with what is computed, and not with what is draw
            {"torque_limit = 150.0", "torque_limit = 150.0\nrate_limit = 1e5"},
            {"torque_limit = 150.0", "torque_limit = 150.0\noffset = 0.1"},
            {"friction = 0.6", "friction = 0.61"},
+           {"friction = 0.6", "friction = 0.6\nf_min = 1"},
            {"toe = [0.15, -0.065]", "toe = [0.16, -0.065]"},
            {"coordinate = \"q0\"", "coordinate = \"left_foot\""},
            {"base = [\"xH\", \"zH\"]", "base = [\"x\", \"z\"]"}})

@@ -409,6 +409,7 @@ ankle = [0.0, -0.6]
 heel = [-0.1, -0.7]
 toe = [0.1, -0.7]
 friction = 0.4
+f_min = 12.5
 )";
   const Robot robot = read_toml_robot(text, "r.toml");
   check_same_numbers(by_way_of_urdf(robot), robot, 1e-12);

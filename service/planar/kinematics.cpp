@@ -41,6 +41,15 @@ void point_jacobian(const Mechanism& mechanism, const Kinematics& now, const Poi
   rows.rightCols<2>().setIdentity();
 }
 
+Eigen::Vector2d acceleration(const Kinematics& now, const Point& point, const VectorD& acceleration,
+                             const Eigen::Vector2d& base)
+{
+  Eigen::Vector2d result = base + jacobian_rate_times_v(now, point);
+  for (const Arm& arm : point)
+    result += acceleration(arm.direction) * perp(rotate(now.e.col(arm.direction), arm.r));
+  return result;
+}
+
 Eigen::Vector2d jacobian_rate_times_v(const Kinematics& now, const Point& point)
 {
   Eigen::Vector2d acceleration = Eigen::Vector2d::Zero();

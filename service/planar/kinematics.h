@@ -35,6 +35,12 @@ using Jacobian = Bounded<6, kMaxCoordinates>;
 /// Requires: J has num_q() columns and those rows; they are overwritten.
 void point_jacobian(const Mechanism& mechanism, const Kinematics& now, const Point& point, int row, Jacobian& J);
 
+/// p̈ = J a + J̇ v of a point, m/s².
+///
+/// acceleration: φ̈ = W θ̈ of every direction; base: that of the base point.
+Eigen::Vector2d acceleration(const Kinematics& now, const Point& point, const VectorD& acceleration,
+                             const Eigen::Vector2d& base);
+
 /// J̇ v of a point, m/s²: −Σ φ̇² R(φ) r.
 Eigen::Vector2d jacobian_rate_times_v(const Kinematics& now, const Point& point);
 

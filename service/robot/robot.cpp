@@ -34,23 +34,12 @@ public:
     resolve_links();
     number_coordinates();
     place_links();
-    const Mechanism built = mechanism();
-    Robot robot{description_.name,
-                description_.source,
-                links_,
-                order_,
-                {},
-                {},
-                absolute_names_,
-                {},
-                {},
-                built,
-                {},
-                {},
-                {},
-                {},
-                0.0,
-                0};
+    Robot robot{.name = description_.name,
+                .source = description_.source,
+                .links = links_,
+                .order = order_,
+                .absolute_names = absolute_names_,
+                .mechanism = mechanism()};
     if (!fixed_root())
       robot.base_names = description_.base_names;
     add_actuators(robot);
@@ -374,6 +363,54 @@ private:
         if (!seen[static_cast<std::size_t>(side)])
           fail(1, fmt::format("there is no [[foot]] with side = \"{}\"; a biped has one on each side", name_of(side)));
     robot.leg_length = leg_length(robot);
+    find_legs(robot);
+  }
+
+  // the links from one to the root
+  std::vector<int> way_to_root(int link) const
+  {
+    std::vector<int> way;
+    for (int i = link; i >= 0; i = links_[static_cast<std::size_t>(i)].parent)
+      way.push_back(i);
+    return way;
+  }
+
+  void find_legs(Robot& robot) const
+  {
+    robot.leg.resize(links_.size());
+    if (!robot.feet[0].exists() || !robot.feet[1].exists())
+      return;
+    // both ways to the root without what they share, but for the link where they meet
+    std::vector<int> way = way_to_root(robot.feet[0].link);
+    std::vector<int> back = way_to_root(robot.feet[1].link);
+    int meeting = root_;
+    while (!way.empty() && !back.empty() && way.back() == back.back())
+    {
+      meeting = way.back();
+      way.pop_back();
+      back.pop_back();
+    }
+    way.push_back(meeting);
+    way.insert(way.end(), back.rbegin(), back.rend());
+    robot.trunk = way[way.size() / 2];
+
+    // without the trunk the links fall into parts; each goes by its link nearest to the trunk, or by the root
+    const auto part = [&](int link)
+    {
+      int name = link;
+      for (const int i : way_to_root(link))
+      {
+        if (i == robot.trunk)
+          return name;
+        name = i;
+      }
+      return root_;
+    };
+    for (std::size_t i = 0; i < links_.size(); ++i)
+      for (const Side side : kSides)
+        if (const int foot = robot.foot(side).link;
+            static_cast<int>(i) != robot.trunk && foot != robot.trunk && part(static_cast<int>(i)) == part(foot))
+          robot.leg[i] = side;
   }
 
   double leg_length(const Robot& robot) const
@@ -490,6 +527,7 @@ private:
       hash.add(foot.heel_at);
       hash.add(foot.toe_at);
       hash.add(foot.friction);
+      hash.add(foot.f_min);
     }
     for (int i = 0; i < robot.num_coordinates(); ++i)
     {

@@ -6,6 +6,7 @@
 #include <array>
 #include <cstdint>
 #include <limits>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -131,6 +132,7 @@ struct Foot
   /// In the link's frame, m; heel and toe lie equally high.
   Eigen::Vector2d ankle_at = Eigen::Vector2d::Zero(), heel_at = ankle_at, toe_at = ankle_at;
   double friction = 0.0;  ///< coefficient μ
+  double f_min = 0.0;     ///< least normal force that a method should give it, N
   Point ankle, heel, toe; ///< the same points of the mechanism
 
   bool exists() const { return link >= 0; }
@@ -160,16 +162,20 @@ struct Robot
   std::string source; ///< where its numbers come from
   std::vector<Link> links;
   std::vector<int> order; ///< links' indices, parents before children
-  std::vector<Actuator> actuators;
-  std::array<Foot, 2> feet; ///< indexed by Side
-  std::vector<std::string> absolute_names, relative_names;
-  std::array<std::string, 2> base_names; ///< empty for a fixed root
+  std::vector<Actuator> actuators = {};
+  std::array<Foot, 2> feet = {}; ///< indexed by Side
+  std::vector<std::string> absolute_names, relative_names = {};
+  std::array<std::string, 2> base_names = {}; ///< empty for a fixed root
   Mechanism mechanism;
-  MatrixQ A, A_inverse; ///< with a fixed root's angle as last row and column; so is b
-  VectorQ b;
-  VectorJ kappa;         ///< of every actuator
-  double leg_length;     ///< a length of the robot's size, m: see assemble()
-  std::int64_t model_id; ///< FNV-1a of everything above that is more than a comment or a drawing; never 0
+  MatrixQ A = {}, A_inverse = {}; ///< with a fixed root's angle as last row and column; so is b
+  VectorQ b = {};
+  VectorJ kappa = {};      ///< of every actuator
+  double leg_length = 0.0; ///< a length of the robot's size, m: see assemble()
+  /// The link in the middle of the way from foot to foot, the nearer one to the right foot of two; −1 without two feet.
+  /// Both legs carry it, and what hangs on it. A leg is what is left on the way to a foot, with all that hangs there.
+  int trunk = -1;
+  std::vector<std::optional<Side>> leg = {}; ///< of each link: whose leg it is part of
+  std::int64_t model_id = 0; ///< FNV-1a of everything above that is more than a comment or a drawing; never 0
 
   int num_joints() const { return static_cast<int>(actuators.size()); }
   /// Coordinates, the base point and a fixed root not among them.

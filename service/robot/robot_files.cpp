@@ -153,6 +153,8 @@ void add_feet(Writer& toml, const Robot& robot, Frames frames)
     if (foot.heel_at != foot.ankle_at || foot.has_extent())
       toml.add("heel = {}\ntoe = {}\n", vector(turned(angle, foot.heel_at)), vector(turned(angle, foot.toe_at)));
     toml.add("friction = {}\n", foot.friction);
+    if (foot.f_min != 0.0)
+      toml.add("f_min = {}\n", foot.f_min);
   }
 }
 

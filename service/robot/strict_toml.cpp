@@ -11,6 +11,7 @@
 #include <fmt/ranges.h>
 #include <fstream>
 #include <iterator>
+#include <limits>
 #include <sstream>
 #include <system_error>
 
@@ -175,6 +176,42 @@ Eigen::Vector2d StrictTable::vector(std::string_view key, std::optional<Eigen::V
   const Eigen::Vector2d value(*(*array)[0].value<double>(), *(*array)[1].value<double>());
   if (!value.allFinite())
     wrong_type(key, *node, "two finite numbers, [x, z]");
+  return value;
+}
+
+Eigen::MatrixXd StrictTable::matrix(std::string_view key, Eigen::Index most)
+{
+  const toml::node* node = find(key);
+  if (!node)
+    return {};
+  const std::string expected = fmt::format("up to {} finite numbers, or as many rows of as many numbers", most);
+  const toml::array* array = node->as_array();
+  if (!array || static_cast<Eigen::Index>(array->size()) > most)
+    wrong_type(key, *node, expected);
+  const auto size = static_cast<Eigen::Index>(array->size());
+  Eigen::MatrixXd value = Eigen::MatrixXd::Zero(size, size);
+  const bool diagonal = size > 0 && (*array)[0].is_number();
+  const auto read = [&](const toml::node& entry)
+  {
+    const double number = entry.is_number() ? *entry.value<double>() : std::numeric_limits<double>::quiet_NaN();
+    if (!std::isfinite(number))
+      wrong_type(key, *node, expected);
+    return number;
+  };
+  for (Eigen::Index i = 0; i < size; ++i)
+  {
+    const toml::node& entry = (*array)[static_cast<std::size_t>(i)];
+    if (diagonal)
+    {
+      value(i, i) = read(entry);
+      continue;
+    }
+    const toml::array* row = entry.as_array();
+    if (!row || static_cast<Eigen::Index>(row->size()) != size)
+      wrong_type(key, *node, expected);
+    for (Eigen::Index k = 0; k < size; ++k)
+      value(i, k) = read((*row)[static_cast<std::size_t>(k)]);
+  }
   return value;
 }
 

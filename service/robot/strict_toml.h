@@ -44,6 +44,8 @@ public:
   bool boolean(std::string_view key, std::optional<bool> fallback = {});
   /// [x, z]
   Eigen::Vector2d vector(std::string_view key, std::optional<Eigen::Vector2d> fallback = {});
+  /// A square matrix with up to `most` rows: [[…], …] row by row, or [a, b, …] for its diagonal; [] has no rows.
+  Eigen::MatrixXd matrix(std::string_view key, Eigen::Index most);
   /// Exactly two words.
   std::array<std::string, 2> two_texts(std::string_view key, std::array<std::string, 2> fallback);
   /// One of the words given; returns its index.

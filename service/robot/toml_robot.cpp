@@ -188,6 +188,7 @@ RobotDescription::FootEntry read_foot(StrictTable& table)
   foot.heel_at = extent ? table.vector("heel") : foot.ankle_at;
   foot.toe_at = extent ? table.vector("toe") : foot.ankle_at;
   foot.friction = table.magnitude("friction");
+  foot.f_min = table.magnitude("f_min", 0.0);
   table.finish();
   return entry;
 }
