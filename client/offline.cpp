@@ -35,6 +35,7 @@ OfflineInput read_offline_input(const OfflineOptions& options)
   set_flag("--method", set_method, config, options.method);
   set_flag("--prefix", set_prefix, config, options.prefix);
   Robot robot = load_robot(config.robot);
+  check_fits(config, robot);
   Trajectory trajectory = parse_trajectory(read_file(options.file), options.file, coordinate_names(robot),
                                            options.differentiate, Channels(config.prefix));
   for (const std::string& line : notes(trajectory, robot.name, robot.model_id))

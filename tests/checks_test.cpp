@@ -106,10 +106,10 @@ TEST_CASE("the zero-moment point is where the total force crosses the ground", "
 {
   const Robot robot = load_robot("ck");
   SupportEquations equations;
-  equations.base = {0.3, 0.8};
+  equations.motion.now.base = {0.3, 0.8};
   const Eigen::Vector2d F(60.0, 500.0);
   const double x = 0.42;
-  equations.d << F, cross(Eigen::Vector2d(x, 0.0) - equations.base, F);
+  equations.d << F, cross(Eigen::Vector2d(x, 0.0) - equations.base(), F);
   CHECK(mismatch(zero_moment_point(robot, equations), x, 1e-14) == "");
   equations.d << 0.0, 0.0, 5.0;
   CHECK(zero_moment_point(robot, equations) == 0.0);

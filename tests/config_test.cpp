@@ -1,4 +1,5 @@
 #include "catch.h"
+#include "matchers.h"
 
 #include "daemon/config.h"
 #include "robot/strict_toml.h"
@@ -43,7 +44,7 @@ TEST_CASE("an empty configuration gives the documented defaults", "[config]")
   CHECK_FALSE(config.every_sample);
   CHECK(config.max_age == 0.020);
   CHECK(config.deadline == 0.001);
-  CHECK(config.answers.methods.method == Method::linear_transition);
+  CHECK(config.answers.methods.method == Method::zmp_transition);
   CHECK(config.answers.consistency == OnExcess::flag);
   CHECK(config.answers.contact_speed_tolerance == 0.01);
   CHECK(config.answers.contact_tolerance == 0.1);
@@ -51,7 +52,19 @@ TEST_CASE("an empty configuration gives the documented defaults", "[config]")
   CHECK(config.answers.residual_tolerance == 1e-3);
   CHECK(config.answers.limits == OnExcess::flag);
   CHECK(config.answers.rate_limits == OnExcess::flag);
-  CHECK_FALSE(config.answers.methods.linear_transition.leading_cop);
+  const MethodSettings& methods = config.answers.methods;
+  CHECK(methods.relax);
+  CHECK(methods.pseudo_inverse.weights.size() == 0);
+  CHECK(methods.pseudo_inverse.reaction_weights == Eigen::Vector3d(1.0, 1.0, 1.0));
+  CHECK_FALSE(methods.linear_transition.leading_cop);
+  CHECK(methods.internal_wrench.sigma == 0.5);
+  CHECK(methods.internal_wrench.weights.size() == 0);
+  CHECK(methods.torso_wrench.sigma == 0.0);
+  CHECK(methods.torso_wrench.weights.size() == 0);
+  CHECK(methods.constrained.weights.size() == 0);
+  CHECK(methods.constrained.windows);
+  CHECK(methods.constrained.reference_weight == 0.0);
+  CHECK_FALSE(methods.constrained.f_min);
 }
 
 TEST_CASE("the printed configuration, read again, is the same configuration", "[config]")
@@ -72,8 +85,22 @@ sole_tilt_tolerance = 0
 residual_tolerance = 2e-3
 limits = "clamp"
 rate_limits = "refuse"
+infeasible = "refuse"
+[pseudo_inverse]
+weights = [1, 2, 3, 4, 5, 6]
+reaction_weights = [0.5, 0.25, 8]
 [linear_transition]
 cop = 0.3
+[internal_wrench]
+sigma = 0.25
+weights = [[2, 1], [1, 3]]
+[torso_wrench]
+weights = [0.1]
+[constrained]
+weights = [1e-3, 1e3]
+windows = false
+reference_weight = 0.01
+f_min = 20
 )";
   for (const std::string& text : {std::string(), changed})
   {
@@ -84,7 +111,20 @@ cop = 0.3
   const Config config = read_config(Written(changed).path);
   CHECK(config.robot == "a \"quoted\" 'name'");
   CHECK(config.answers.limits == OnExcess::clamp);
-  CHECK(config.answers.methods.linear_transition.leading_cop == 0.3);
+  const MethodSettings& methods = config.answers.methods;
+  CHECK_FALSE(methods.relax);
+  CHECK(mismatch(methods.pseudo_inverse.weights.diagonal(), (Eigen::VectorXd(6) << 1, 2, 3, 4, 5, 6).finished(), 0.0) ==
+        "");
+  CHECK(methods.pseudo_inverse.weights.isDiagonal(0.0));
+  CHECK(methods.pseudo_inverse.reaction_weights == Eigen::Vector3d(0.5, 0.25, 8.0));
+  CHECK(methods.linear_transition.leading_cop == 0.3);
+  CHECK(methods.internal_wrench.sigma == 0.25);
+  CHECK(mismatch(methods.internal_wrench.weights, (Eigen::Matrix2d() << 2, 1, 1, 3).finished(), 0.0) == "");
+  CHECK(methods.torso_wrench.weights(0, 0) == 0.1);
+  CHECK(methods.constrained.weights(1, 1) == 1e3);
+  CHECK_FALSE(methods.constrained.windows);
+  CHECK(methods.constrained.reference_weight == 0.01);
+  CHECK(methods.constrained.f_min == 20.0);
   CHECK(to_toml(config) != to_toml(Config()));
 }
 
@@ -100,8 +140,9 @@ TEST_CASE("a bad configuration is refused with line, key and what would be right
         ":1: contact_tolerance: found -0.1; expected a number that is not negative");
   CHECK(complaint("consistency = \"clamp\"") == ":1: consistency: found \"clamp\"; expected one of: flag, refuse");
   CHECK(complaint("limits = \"never\"") == ":1: limits: found \"never\"; expected one of: flag, refuse, clamp");
-  CHECK(complaint("method = \"constrained\"") ==
-        ":1: method: found \"constrained\"; expected one of: linear-transition");
+  CHECK(complaint("method = \"human-transition\"") ==
+        ":1: method: found \"human-transition\"; expected one of: pseudo-inverse, linear-transition, internal-wrench, "
+        "torso-wrench, tracked-reaction, tracked-internal, constrained, zmp-transition");
   CHECK(complaint("prefix = \"a.*\"") == ":1: prefix: found \"a.*\"; expected at most 32 letters, digits, _, - or /");
   CHECK(complaint("log_level = \"loud\"").starts_with(":1: log_level: found \"loud\"; expected one of: trace, debug,"));
   CHECK(complaint("[linear_transition]\ncop = 1.5") == ":2: linear_transition: cop: found 1.5; expected \"zmp\", or 0 "
@@ -109,7 +150,32 @@ TEST_CASE("a bad configuration is refused with line, key and what would be right
   CHECK(complaint("[linear_transition]\ncop = \"middle\"") ==
         ":2: linear_transition: cop: expected \"zmp\", or 0 (heel) to 1 (toe)");
   CHECK(complaint("[linear_transition]\ncops = 1").starts_with(":2: linear_transition: cops: is not known here"));
-  CHECK(complaint("infeasible = \"relax\"").starts_with(":1: infeasible: is not known here"));
+  CHECK(complaint("infeasible = \"flag\"") == ":1: infeasible: found \"flag\"; expected one of: relax, refuse");
+  CHECK(complaint("project = true").starts_with(":1: project: is not known here"));
+  CHECK(complaint("[internal_wrench]\nsigma = 1.5") == ":2: internal_wrench: sigma: found 1.5; expected 0 to 1");
+  CHECK(complaint("[tracked_internal]\nsigma = 0.5").starts_with(":1: tracked_internal: is not known here"));
+  const std::string weights = "expected up to 16 finite numbers, or as many rows of as many numbers";
+  CHECK(complaint("[constrained]\nweights = 3") == ":2: constrained: weights: found 3; " + weights);
+  CHECK(complaint("[constrained]\nweights = [1, nan]").ends_with(weights));
+  CHECK(complaint("[constrained]\nweights = [1, \"2\"]").ends_with(weights));
+  CHECK(complaint("[constrained]\nweights = [1, [2]]").ends_with(weights));
+  CHECK(complaint("[constrained]\nweights = [[1, 2], [2]]").ends_with(weights));
+  CHECK(complaint("[constrained]\nweights = [[1, 2], 2]").ends_with(weights));
+  CHECK(complaint("[constrained]\nweights = [1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1]").ends_with(weights));
+  CHECK(complaint("[torso_wrench]\nweights = [[1, 2], [3, 9]]") ==
+        ":2: torso_wrench: weights: found 3 in row 2, column 1 and 2 in row 1, column 2; expected a symmetric matrix");
+  const std::string definite = "found a matrix that is not positive definite; expected one that is, such as positive "
+                               "numbers for its diagonal";
+  CHECK(complaint("[internal_wrench]\nweights = [[1, 2], [2, 1]]") == ":2: internal_wrench: weights: " + definite);
+  CHECK(complaint("[pseudo_inverse]\nweights = [1, 0]") == ":2: pseudo_inverse: weights: " + definite);
+  for (const std::string_view wrong : {"[1, 1]", "[1, 1, 0]", "[1, 1, -1]", "[[1, 1, 0], [1, 2, 0], [0, 0, 1]]"})
+    CHECK(complaint(fmt::format("[pseudo_inverse]\nreaction_weights = {}", wrong)) ==
+          ":2: pseudo_inverse: reaction_weights: expected three positive numbers: of f_x, of f_z and of the moment");
+  CHECK(complaint("[constrained]\nf_min = -1") ==
+        ":2: constrained: f_min: found -1; expected a number that is not negative");
+  CHECK(complaint("[constrained]\nf_min = \"some\"") == ":2: constrained: f_min: expected \"robot\", or a force in N");
+  CHECK(complaint("[constrained]\nreference_weight = -1") ==
+        ":2: constrained: reference_weight: found -1; expected a number that is not negative");
   CHECK(complaint("robot = ").starts_with(":1: not TOML: "));
   CHECK(complaint("max_age = 1e300").starts_with(":1: max_age: found 1e+300; expected a positive number of seconds"));
   CHECK(complaint("robot = \"a\\nb\"") == ":1: robot: found \"a?b\"; expected a text without control characters");
@@ -130,11 +196,47 @@ TEST_CASE("the settings id changes with every setting that changes answers, and 
   for (const std::string same : {"robot = \"human-subject01\"", "max_age = 1", "deadline = 1", "prefix = \"x\"",
                                  "every_sample = true", "log_level = \"off\"", "lcm_url = \"memq://\""})
     CHECK(id(same) == plain);
-  for (const std::string other : {"consistency = \"refuse\"", "contact_speed_tolerance = 1", "contact_tolerance = 1",
-                                  "sole_tilt_tolerance = 1", "residual_tolerance = 1", "limits = \"refuse\"",
-                                  "limits = \"clamp\"", "rate_limits = \"refuse\"", "[linear_transition]\ncop = 0.5"})
+  for (const std::string other : {"consistency = \"refuse\"",
+                                  "contact_speed_tolerance = 1",
+                                  "contact_tolerance = 1",
+                                  "sole_tilt_tolerance = 1",
+                                  "residual_tolerance = 1",
+                                  "limits = \"refuse\"",
+                                  "limits = \"clamp\"",
+                                  "rate_limits = \"refuse\"",
+                                  "[linear_transition]\ncop = 0.5",
+                                  "method = \"constrained\"",
+                                  "infeasible = \"refuse\"",
+                                  "[pseudo_inverse]\nweights = [2]",
+                                  "[pseudo_inverse]\nreaction_weights = [1, 1, 2]",
+                                  "[internal_wrench]\nsigma = 0",
+                                  "[internal_wrench]\nweights = [2]",
+                                  "[torso_wrench]\nweights = [2]",
+                                  "[constrained]\nweights = [2]",
+                                  "[constrained]\nwindows = false",
+                                  "[constrained]\nreference_weight = 1",
+                                  "[constrained]\nf_min = 0"})
   {
     CAPTURE(other);
     CHECK(id(other) != plain);
+  }
+}
+
+TEST_CASE("weights that do not fit the robot are refused before it moves", "[config]")
+{
+  const Robot ck = load_robot("ck");
+  for (const std::string table : {"pseudo_inverse", "internal_wrench", "torso_wrench", "constrained"})
+  {
+    CHECK_NOTHROW(check_fits(read_config(Written("[" + table + "]\nweights = [1, 1, 1, 1, 1, 2]").path), ck));
+    try
+    {
+      check_fits(read_config(Written("[" + table + "]\nweights = [1, 1, 1, 1, 2]").path), ck);
+      FAIL("five weights for six motors");
+    }
+    catch (const FileError& error)
+    {
+      CHECK(error.what() ==
+            "the configuration does not fit ck: " + table + ": weights: found 5 of them; this robot has 6 motors");
+    }
   }
 }

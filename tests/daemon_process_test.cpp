@@ -252,9 +252,12 @@ TEST_CASE("a start that cannot succeed ends with one clear line and its exit cod
   };
   const std::vector<Row> rows{
       {{"--nonsense"}, 64, "--nonsense"},
-      {{"--method", "constrained"},
+      {{"--method", "fastest"},
        64,
-       "torqued: --method: found \"constrained\"; expected one of: linear-transition\n"},
+       "torqued: --method: found \"fastest\"; expected one of: pseudo-inverse, linear-transition, "},
+      {{"--config", folder.write("w.toml", "[constrained]\nweights = [1, 2]")},
+       78,
+       "torqued: the configuration does not fit ck: constrained: weights: found 2 of them; this robot has 6 motors\n"},
       {{"--prefix", "a b"}, 64, "torqued: --prefix: found \"a b\"; expected at most 32 letters, digits, _, - or /\n"},
       {{"--log-level", "loud"}, 64, "torqued: --log-level: found \"loud\""},
       {{"--robot", "nobody"}, 78, "torqued: \"nobody\" is neither a robot that ships"},
@@ -279,9 +282,9 @@ TEST_CASE("help, version and the printed configuration come without a bus", "[da
   const auto [help_code, help] = run({"--help"});
   CHECK(help_code == 0);
   for (const char* option : {"--robot", "--config", "--method", "--lcm-url", "--prefix", "--every-sample",
-                             "--log-level", "--version", "--print-config", "linear-transition"})
+                             "--log-level", "--version", "--print-config", "default: zmp-transition"})
     CHECK(help.find(option) != std::string::npos);
-  CHECK(help.find("constrained") == std::string::npos);
+  CHECK(help.find("human-transition") == std::string::npos);
   const auto [version_code, version] = run({"--version"});
   CHECK(version_code == 0);
   CHECK(version.starts_with("torqued 0."));

@@ -18,8 +18,9 @@ struct Solved
   const GroundReaction& foot(Side side) const { return ground[static_cast<std::size_t>(side)]; }
 };
 
-Solved solve(const Robot& robot, const DesiredState& desired, const MethodSettings& settings = {})
+Solved solve(const Robot& robot, DesiredState desired, const MethodSettings& settings = {})
 {
+  desired.method = Method::linear_transition;
   Solved solved{std::get<SupportEquations>(support_equations(robot, desired)), {}, {}};
   const auto result = solve_torques(robot, solved.equations, desired.support, desired.method, settings, 1e-3);
   if (const Refusal* refusal = std::get_if<Refusal>(&result))
@@ -35,7 +36,7 @@ Solved solve(const Robot& robot, const DesiredState& desired, const MethodSettin
 SupportEquations two_soles(oracle::Random& random, const Robot& robot, double F_z)
 {
   SupportEquations equations;
-  equations.base = {oracle::uniform(random, -0.3, 0.3), 0.8};
+  equations.motion.now.base = {oracle::uniform(random, -0.3, 0.3), 0.8};
   for (const Side side : kSides)
   {
     const Foot& foot = robot.foot(side);
@@ -129,10 +130,10 @@ TEST_CASE("on two soles both pressures stay inside whenever this split of the lo
     const double from = s * leading.heel.x() + (1.0 - s) * trailing.heel.x();
     const double to = s * leading.toe.x() + (1.0 - s) * trailing.toe.x();
     const double zmp = from + oracle::uniform(random, -0.2, 1.2) * (to - from);
-    equations.d(2) = zmp * F_z - cross(equations.base, equations.force());
+    equations.d(2) = zmp * F_z - cross(equations.base(), equations.force());
     CAPTURE(i, s, F_z, zmp, from, to);
 
-    const auto w = std::get<WrenchVector>(linear_transition(robot, equations, support, {}));
+    const auto w = std::get<Reactions>(linear_transition(robot, equations, support, {})).w;
     const double left = cop(robot, Side::left, w);
     const double right = cop(robot, Side::right, w);
     const Foot& foot = robot.foot(Side::left); // both have the same sole
@@ -153,7 +154,7 @@ TEST_CASE("on two soles both pressures stay inside whenever this split of the lo
     const auto moment = [&](Side side)
     {
       const auto wrench = w.segment<3>(side == Side::left ? 0 : 3);
-      return wrench(2) + cross(equations.foot(side).ankle - equations.base, wrench.head<2>());
+      return wrench(2) + cross(equations.foot(side).ankle - equations.base(), wrench.head<2>());
     };
     CHECK(mismatch(moment(Side::left) + moment(Side::right), equations.d(2), 1e-10) == "");
   }
@@ -171,7 +172,7 @@ TEST_CASE("on two soles a fixed fraction holds the leading foot's pressure there
       SupportEquations equations = two_soles(random, robot, 400.0);
       equations.d(2) = 20.0;
       const Support support{{Contact::sole, Contact::sole}, leading, 0.6, 0.0};
-      const auto w = std::get<WrenchVector>(linear_transition(robot, equations, support, {fraction}));
+      const auto w = std::get<Reactions>(linear_transition(robot, equations, support, {fraction})).w;
       CHECK(mismatch(cop(robot, leading, w), foot.heel_x() + fraction * (foot.toe_x() - foot.heel_x()), 1e-12) == "");
     }
 }
@@ -183,7 +184,7 @@ TEST_CASE("on two soles without load the feet carry no more than the moment that
   SupportEquations equations = two_soles(random, robot, 0.0);
   equations.d = {0.0, 0.0, 7.0};
   const Support support{{Contact::sole, Contact::sole}, Side::left, 0.3, 0.0};
-  const auto w = std::get<WrenchVector>(linear_transition(robot, equations, support, {}));
+  const auto w = std::get<Reactions>(linear_transition(robot, equations, support, {})).w;
   CHECK(mismatch(w, (WrenchVector(6) << 0.0, 0.0, 2.1, 0.0, 0.0, 4.9).finished(), 1e-12) == "");
 }
 

@@ -214,6 +214,8 @@ TEST_CASE("a bad trajectory is refused with file, line, column, what was found a
   };
   const std::string names = "time,p0,p1,dp0,dp1,ddp0,ddp1,contactL,contactR";
   const std::string good = "\n0,1,2,3,4,5,6,2,0";
+  const std::string methods = "pseudo-inverse, linear-transition, internal-wrench, torso-wrench, tracked-reaction, "
+                              "tracked-internal, constrained, zmp-transition";
   const std::vector<Row> rows{
       {"", "t.csv: found no line that names columns; expected one such as time,q0,..."},
       {"# nothing but a comment\n\n", "t.csv: found no line that names columns; expected one such as time,q0,..."},
@@ -263,9 +265,9 @@ TEST_CASE("a bad trajectory is refused with file, line, column, what was found a
        "t.csv:2: column load_transfer: found nothing; expected a number, such as -0.25 or 1e-3"},
       {table({{"phase", "nan"}}), "t.csv:2: column phase: found \"nan\"; expected a finite number"},
       {table({{"method", "pseudo"}}),
-       "t.csv:2: column method: found \"pseudo\"; expected default, linear-transition, or a method's number"},
+       "t.csv:2: column method: found \"pseudo\"; expected default, " + methods + ", or a method's number"},
       {table({{"method", "128"}}),
-       "t.csv:2: column method: found \"128\"; expected default, linear-transition, or a method's number"},
+       "t.csv:2: column method: found \"128\"; expected default, " + methods + ", or a method's number"},
       {table({{"utime", "1.5"}}, {"time"}), "t.csv:2: column utime: found \"1.5\"; expected a whole number of µs"},
       {table({{"utime", "9000000000000000000"}}, {"time"}),
        "t.csv:2: column utime: found \"9000000000000000000\"; expected a whole number of µs"},

@@ -78,6 +78,13 @@ std::optional<Refusal> apply_limits(const Robot& robot, const AnswerSettings& se
   return {};
 }
 
+void add_weights(Fnv1a& hash, const JointWeights& weights)
+{
+  hash.add(static_cast<int>(weights.rows()));
+  for (const double weight : weights.reshaped())
+    hash.add(weight);
+}
+
 bool all_finite(const Answer& answer)
 {
   bool finite = is_finite(answer.zmp) && is_finite(answer.dynamics_residual) && is_finite(answer.contact_speed) &&
@@ -93,8 +100,20 @@ bool all_finite(const Answer& answer)
 std::int64_t settings_id(const AnswerSettings& settings)
 {
   Fnv1a hash;
-  hash.add(static_cast<int>(settings.methods.method));
-  hash.add(settings.methods.linear_transition.leading_cop.value_or(-1.0));
+  const MethodSettings& methods = settings.methods;
+  hash.add(static_cast<int>(methods.method));
+  add_weights(hash, methods.pseudo_inverse.weights);
+  for (const double weight : methods.pseudo_inverse.reaction_weights)
+    hash.add(weight);
+  hash.add(methods.linear_transition.leading_cop.value_or(-1.0));
+  hash.add(methods.internal_wrench.sigma);
+  add_weights(hash, methods.internal_wrench.weights);
+  add_weights(hash, methods.torso_wrench.weights);
+  add_weights(hash, methods.constrained.weights);
+  hash.add(static_cast<int>(methods.constrained.windows));
+  hash.add(methods.constrained.reference_weight);
+  hash.add(methods.constrained.f_min.value_or(-1.0));
+  hash.add(static_cast<int>(methods.relax));
   hash.add(static_cast<int>(settings.consistency));
   hash.add(settings.contact_speed_tolerance);
   hash.add(settings.contact_tolerance);
@@ -133,6 +152,8 @@ Result<Answer> answer(const Robot& robot, const AnswerSettings& settings, const 
     flags |= contact_flags(robot, robot.feet[side], equations.feet[side], desired.support.contact[side],
                            solution.ground[side]);
   }
+  flags |= solution.clamped ? flag::clamped : 0;
+  flags |= solution.relaxed ? flag::relaxed : 0;
   answer.zmp = zero_moment_point(robot, equations);
   answer.contact_speed = equations.contact_speed;
   answer.contact_residual = equations.contact_residual;

@@ -44,7 +44,8 @@ struct StreamMemory
 ///
 /// No clock, no log, no transport, no allocation: the same robot, settings, memory and desired state give the same
 /// bits (on a thread that has called flush_denormals()). Updates the memory when it answers.
-/// Refuses: not_supported, inconsistent, under_actuated, numerical, over_limit.
+/// Refuses: not_supported, inconsistent, under_actuated, infeasible, numerical, over_limit.
+/// Requires: the settings fit the robot, complaint().
 Result<Answer> answer(const Robot& robot, const AnswerSettings& settings, const DesiredState& desired,
                       StreamMemory& memory);
 

@@ -3,8 +3,10 @@
 #include "robot/printable.h"
 #include "robot/strict_toml.h"
 
+#include <Eigen/Cholesky>
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 #include <sstream>
@@ -56,6 +58,93 @@ std::string read_plain(StrictTable& table, std::string_view key, const std::stri
   if (std::any_of(value.begin(), value.end(), [](char c) { return static_cast<unsigned char>(c) < 0x20 || c == 0x7f; }))
     table.fail(key, fmt::format("found \"{}\"; expected a text without control characters", printable(value)));
   return value;
+}
+
+// W of a method: [] for the unit matrix
+JointWeights read_weights(StrictTable& table)
+{
+  const Eigen::MatrixXd W = table.matrix("weights", kMaxJoints);
+  const double size = W.size() > 0 ? W.cwiseAbs().maxCoeff() : 0.0;
+  for (Eigen::Index i = 0; i < W.rows(); ++i)
+    for (Eigen::Index k = 0; k < i; ++k)
+      if (std::abs(W(i, k) - W(k, i)) > 1e-12 * size)
+        table.fail("weights", fmt::format("found {} in row {}, column {} and {} in row {}, column {}; expected a "
+                                          "symmetric matrix",
+                                          W(i, k), i + 1, k + 1, W(k, i), k + 1, i + 1));
+  if (W.size() > 0 && W.llt().info() != Eigen::Success)
+    table.fail("weights", "found a matrix that is not positive definite; expected one that is, such as positive "
+                          "numbers for its diagonal");
+  return 0.5 * (W + W.transpose());
+}
+
+std::string shown(const JointWeights& W)
+{
+  const auto row = [&W](Eigen::Index i)
+  {
+    return fmt::format("[{}]", fmt::join(W.row(i), ", "));
+  };
+  std::vector<std::string> entries;
+  const bool diagonal = W.isDiagonal(0.0);
+  for (Eigen::Index i = 0; i < W.rows(); ++i)
+    entries.push_back(diagonal ? fmt::format("{}", W(i, i)) : row(i));
+  return fmt::format("[{}]", fmt::join(entries, ", "));
+}
+
+void read_methods(StrictTable& table, MethodSettings& methods)
+{
+  methods.relax = table.choice("infeasible", {"relax", "refuse"}, methods.relax ? 0 : 1) == 0;
+  if (auto settings = table.table("pseudo_inverse"))
+  {
+    methods.pseudo_inverse.weights = read_weights(*settings);
+    const Eigen::MatrixXd V = settings->matrix("reaction_weights", 3);
+    if (V.size() > 0)
+    {
+      if (V.rows() != 3 || !V.isDiagonal(0.0) || !(V.diagonal().minCoeff() > 0.0))
+        settings->fail("reaction_weights", "expected three positive numbers: of f_x, of f_z and of the moment");
+      methods.pseudo_inverse.reaction_weights = V.diagonal();
+    }
+    settings->finish();
+  }
+  if (auto settings = table.table("linear_transition"))
+  {
+    auto& leading_cop = methods.linear_transition.leading_cop;
+    if (settings->is_number("cop"))
+    {
+      leading_cop = settings->number("cop");
+      if (*leading_cop < 0.0 || *leading_cop > 1.0)
+        settings->fail("cop", fmt::format("found {}; expected \"zmp\", or 0 (heel) to 1 (toe)", *leading_cop));
+    }
+    else if (settings->text("cop", "zmp") != "zmp")
+    {
+      settings->fail("cop", "expected \"zmp\", or 0 (heel) to 1 (toe)");
+    }
+    settings->finish();
+  }
+  if (auto settings = table.table("internal_wrench"))
+  {
+    methods.internal_wrench.sigma = settings->number("sigma", methods.internal_wrench.sigma);
+    if (const double sigma = methods.internal_wrench.sigma; sigma < 0.0 || sigma > 1.0)
+      settings->fail("sigma", fmt::format("found {}; expected 0 to 1", sigma));
+    methods.internal_wrench.weights = read_weights(*settings);
+    settings->finish();
+  }
+  if (auto settings = table.table("torso_wrench"))
+  {
+    methods.torso_wrench.weights = read_weights(*settings);
+    settings->finish();
+  }
+  if (auto settings = table.table("constrained"))
+  {
+    Constrained& constrained = methods.constrained;
+    constrained.weights = read_weights(*settings);
+    constrained.windows = settings->boolean("windows", constrained.windows);
+    constrained.reference_weight = settings->magnitude("reference_weight", constrained.reference_weight);
+    if (settings->is_number("f_min"))
+      constrained.f_min = settings->magnitude("f_min");
+    else if (settings->text("f_min", "robot") != "robot")
+      settings->fail("f_min", "expected \"robot\", or a force in N");
+    settings->finish();
+  }
 }
 
 // a setting that flags can set too: the same check, with the file's line in front
@@ -139,29 +228,23 @@ Config read_config(const std::string& path)
   answers.limits = read_on_excess(table, "limits", answers.limits, true);
   answers.rate_limits = read_on_excess(table, "rate_limits", answers.rate_limits, true);
 
-  if (auto linear = table.table("linear_transition"))
-  {
-    auto& leading_cop = answers.methods.linear_transition.leading_cop;
-    if (linear->is_number("cop"))
-    {
-      leading_cop = linear->number("cop");
-      if (*leading_cop < 0.0 || *leading_cop > 1.0)
-        linear->fail("cop", fmt::format("found {}; expected \"zmp\", or 0 (heel) to 1 (toe)", *leading_cop));
-    }
-    else if (linear->text("cop", "zmp") != "zmp")
-    {
-      linear->fail("cop", "expected \"zmp\", or 0 (heel) to 1 (toe)");
-    }
-    linear->finish();
-  }
+  read_methods(table, answers.methods);
   table.finish();
   return config;
+}
+
+void check_fits(const Config& config, const Robot& robot)
+{
+  if (const auto wrong = complaint(config.answers.methods, robot.num_joints()))
+    throw FileError("the configuration does not fit " + robot.name + ": " + *wrong);
 }
 
 std::string to_toml(const Config& config)
 {
   const AnswerSettings& answers = config.answers;
-  const auto cop = answers.methods.linear_transition.leading_cop;
+  const MethodSettings& methods = answers.methods;
+  const auto cop = methods.linear_transition.leading_cop;
+  const auto f_min = methods.constrained.f_min;
   return fmt::format(R"(# configuration of torqued
 
 robot = {}
@@ -180,15 +263,41 @@ sole_tilt_tolerance = {}  # rad
 residual_tolerance = {}  # under-actuated motion: share of the weight, or of weight x leg length
 limits = {}  # torque limits: flag, refuse or clamp
 rate_limits = {}  # torque-rate limits: flag, refuse or clamp
+infeasible = {}  # constrained: conditions that cannot be met: relax or refuse
+
+# weights: of each motor's torque, or a symmetric positive definite matrix; []: all 1
+
+[pseudo_inverse]
+weights = {}
+reaction_weights = {}  # of f_x, f_z and moment
 
 [linear_transition]
 cop = {}  # both feet on their soles: 'zmp', or the leading foot's pressure point from 0 (heel) to 1 (toe)
+
+[internal_wrench]
+sigma = {}  # 0 to 1; changes the internal wrench, not the torques
+weights = {}
+
+[torso_wrench]
+weights = {}
+
+[constrained]
+weights = {}
+windows = {}  # bounds that close where contacts change, so that torques do not jump
+reference_weight = {}  # of the distance to zmp-transition's reactions, x leg length, beside that of the torques
+f_min = {}  # least normal force of a loaded foot, N; 'robot': as its file says
 )",
                      quoted(config.robot), quoted(config.lcm_url), quoted(config.prefix), quoted(config.log_level),
                      config.every_sample, config.max_age, config.deadline, quoted(name_of(answers.methods.method)),
                      quoted(word(answers.consistency)), answers.contact_speed_tolerance, answers.contact_tolerance,
                      answers.sole_tilt_tolerance, answers.residual_tolerance, quoted(word(answers.limits)),
-                     quoted(word(answers.rate_limits)), cop ? fmt::format("{}", *cop) : quoted("zmp"));
+                     quoted(word(answers.rate_limits)), quoted(methods.relax ? "relax" : "refuse"),
+                     shown(methods.pseudo_inverse.weights),
+                     fmt::format("[{}]", fmt::join(methods.pseudo_inverse.reaction_weights, ", ")),
+                     cop ? fmt::format("{}", *cop) : quoted("zmp"), methods.internal_wrench.sigma,
+                     shown(methods.internal_wrench.weights), shown(methods.torso_wrench.weights),
+                     shown(methods.constrained.weights), methods.constrained.windows,
+                     methods.constrained.reference_weight, f_min ? fmt::format("{}", *f_min) : quoted("robot"));
 }
 
 } // namespace torqued

@@ -30,6 +30,9 @@ void set_method(Config& config, const std::string& name);
 void set_prefix(Config& config, const std::string& prefix);
 void set_log_level(Config& config, const std::string& level);
 
+/// Whether the settings fit the robot: weights need a row for each motor. Throws FileError.
+void check_fits(const Config& config, const Robot& robot);
+
 /// The whole configuration as TOML; read_config() of it gives it back.
 std::string to_toml(const Config& config);
 

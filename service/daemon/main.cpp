@@ -54,7 +54,7 @@ std::optional<Config> configure(int argc, char** argv)
   app.add_option("--config", file, "a TOML file that sets what flags do not")->type_name("FILE");
   app.add_option(
          "--method", method,
-         fmt::format("how double support is resolved: {}; default: linear-transition", fmt::join(methods, ", ")))
+         fmt::format("how double support is resolved: {}; default: zmp-transition", fmt::join(methods, ", ")))
       ->type_name("NAME");
   app.add_option("--lcm-url", lcm_url, "the bus; default: LCM_DEFAULT_URL, or LCM's own default")->type_name("URL");
   app.add_option("--prefix", prefix, "stands before each channel's name")->type_name("TEXT");
@@ -116,6 +116,7 @@ int stop_signals()
 int serve(const Config& config)
 {
   const Robot robot = load_robot(config.robot);
+  check_fits(config, robot);
   const int stop_fd = stop_signals();
   spdlog::init_thread_pool(1024, 1);
   const auto log = spdlog::create_async_nb<spdlog::sinks::stderr_color_sink_mt>("torqued");

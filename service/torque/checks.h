@@ -8,9 +8,6 @@
 namespace torqued
 {
 
-/// A foot, or the whole robot, is without load when |f_z| is below this share of the robot's weight.
-inline constexpr double kNoLoad = 1e-6;
-
 /// The bits of torque_command_t.flags.
 namespace flag
 {

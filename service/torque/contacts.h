@@ -16,6 +16,11 @@ namespace torqued
 /// m.
 using WrenchVector = BoundedVector<6>;
 
+/// A foot, or the whole robot, is without load when |f_z| is below this share of the robot's weight.
+inline constexpr double kNoLoad = 1e-6;
+/// Two contact points are one, or stand above one another, when less than this share of the leg length is between them.
+inline constexpr double kCoincident = 1e-6;
+
 /// Where a contact's force acts: heel or toe; the ankle for a sole.
 const Point& contact_point(const Foot& foot, Contact contact);
 

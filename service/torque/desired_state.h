@@ -32,7 +32,14 @@ inline int wrench_components(Contact contact)
 enum class Method : std::int8_t
 {
   none = 0, ///< in an answer: nothing had to be chosen; in a desired state: the daemon's setting
-  linear_transition = 2
+  pseudo_inverse = 1,
+  linear_transition = 2,
+  internal_wrench = 3,
+  torso_wrench = 4,
+  tracked_reaction = 5,
+  tracked_internal = 6,
+  constrained = 7,
+  zmp_transition = 8
 };
 
 /// The two contacts, and how far the load has moved from the trailing to the leading foot.
@@ -45,6 +52,8 @@ struct Support
 
   Contact of(Side side) const { return contact[static_cast<std::size_t>(side)]; }
   Side trailing() const { return other(leading); }
+  /// Where a foot's components begin.
+  int row(Side side) const { return side == Side::left ? 0 : torqued::wrench_components(contact[0]); }
   int wrench_components() const
   {
     return torqued::wrench_components(contact[0]) + torqued::wrench_components(contact[1]);

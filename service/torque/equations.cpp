@@ -14,12 +14,12 @@ Result<SupportEquations> support_equations(const Robot& robot, const DesiredStat
   const Result<Motion> completed = complete_motion(robot, desired);
   if (const Refusal* refusal = std::get_if<Refusal>(&completed))
     return *refusal;
-  const auto& [now, v, a] = std::get<Motion>(completed);
   const Support& support = desired.support;
   const int size = robot.mechanism.num_theta();
 
   SupportEquations equations;
-  equations.base = now.base;
+  equations.motion = std::get<Motion>(completed);
+  const auto& [now, v, a] = equations.motion;
   equations.r = inverse_dynamics(robot.mechanism, now, a);
   equations.d.head<2>() = equations.r.tail<2>();
   equations.d(2) = robot.A_inverse.col(size - 1).dot(equations.r.head(size));

@@ -35,17 +35,18 @@ struct SupportEquations
   Jacobian J;                   ///< wrench_components() × num_q()
   Bounded<3, 6> G;              ///< 3 × wrench_components()
   Eigen::Vector3d d;            ///< (F_x, F_z, M about the base point) that the ground must supply, N and N m
-  Eigen::Vector2d base;         ///< base point, m
+  Motion motion;                ///< what they were built from
   std::array<FootPose, 2> feet; ///< indexed by Side; of a foot that the robot has not: the base point
 
   double contact_speed;    ///< largest |J v|: what should be at rest, m/s or rad/s
   double contact_residual; ///< largest |J a + J̇ v|, m/s² or rad/s²
   double sole_tilt;        ///< largest angle of a foot that stands on its sole, rad
 
+  const Eigen::Vector2d& base() const { return motion.now.base; }
   const FootPose& foot(Side side) const { return feet[static_cast<std::size_t>(side)]; }
   /// The total ground force (F_x, F_z), and its moment about the world's origin.
   Eigen::Vector2d force() const { return d.head<2>(); }
-  double moment_about_origin() const { return d(2) + cross(base, force()); }
+  double moment_about_origin() const { return d(2) + cross(base(), force()); }
 };
 
 /// Builds the equations of a desired state. Refuses what complete_motion() refuses.

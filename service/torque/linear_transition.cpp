@@ -1,5 +1,4 @@
-#include "torque/checks.h"
-#include "torque/torque_method.h"
+#include "torque/linear_transition.h"
 
 #include <algorithm>
 #include <cmath>
@@ -35,10 +34,9 @@ struct Moments
   double leading, trailing;
 };
 
-Moments moments_of_soles(const SupportEquations& equations, const Support& support, const LinearTransition& settings,
-                         double no_load)
+Moments moments_of_soles(const SupportEquations& equations, const Support& support, double s,
+                         const LinearTransition& settings, double no_load)
 {
-  const double s = support.load_transfer;
   const double F_z = equations.force().y();
   const double m = equations.moment_about_origin();
   const Interval leading = sole(equations.foot(support.leading));
@@ -60,24 +58,21 @@ Moments moments_of_soles(const SupportEquations& equations, const Support& suppo
   return {m_f + s * R, m_r + (1.0 - s) * R};
 }
 
-} // namespace
-
-Result<WrenchVector> linear_transition(const Robot& robot, const SupportEquations& equations, const Support& support,
-                                       const LinearTransition& settings)
+// both feet's wrenches where the leading one takes s of the total force; between two points, of the horizontal one
+Result<Reactions> share_load(const Robot& robot, const SupportEquations& equations, const Support& support, double s,
+                             const LinearTransition& settings)
 {
-  const double s = support.load_transfer;
   const Eigen::Vector2d F = equations.force();
   const Side leading = support.leading;
   const Side trailing = support.trailing();
-  const std::array<int, 2> row{0, wrench_components(support.of(Side::left))};
   WrenchVector w(support.wrench_components());
   const auto force = [&](Side side)
   {
-    return w.segment<2>(row[static_cast<std::size_t>(side)]);
+    return w.segment<2>(support.row(side));
   };
   const auto moment = [&](Side side) -> double&
   {
-    return w(row[static_cast<std::size_t>(side)] + 2);
+    return w(support.row(side) + 2);
   };
 
   force(leading) = s * F;
@@ -87,7 +82,7 @@ Result<WrenchVector> linear_transition(const Robot& robot, const SupportEquation
   const bool trailing_sole = support.of(trailing) == Contact::sole;
   if (leading_sole && trailing_sole)
   {
-    const Moments about_origin = moments_of_soles(equations, support, settings, kNoLoad * robot.weight());
+    const Moments about_origin = moments_of_soles(equations, support, s, settings, kNoLoad * robot.weight());
     moment(leading) = about_origin.leading - cross(equations.foot(leading).ankle, force(leading));
     moment(trailing) = about_origin.trailing - cross(equations.foot(trailing).ankle, force(trailing));
   }
@@ -95,25 +90,81 @@ Result<WrenchVector> linear_transition(const Robot& robot, const SupportEquation
   {
     const Side flat = leading_sole ? leading : trailing;
     const Side rolling = other(flat);
-    moment(flat) = equations.d(2) - cross(equations.foot(flat).ankle - equations.base, force(flat)) -
-                   cross(equations.foot(rolling).point(support.of(rolling)) - equations.base, force(rolling));
+    moment(flat) = equations.d(2) - cross(equations.foot(flat).ankle - equations.base(), force(flat)) -
+                   cross(equations.foot(rolling).point(support.of(rolling)) - equations.base(), force(rolling));
   }
   else
   {
     // both normal forces from the moments about the trailing point
     const Eigen::Vector2d p = equations.foot(trailing).point(support.of(trailing));
     const Eigen::Vector2d lever = equations.foot(leading).point(support.of(leading)) - p;
-    if (std::abs(lever.x()) < 1e-6 * robot.leg_length)
+    if (std::abs(lever.x()) < kCoincident * robot.leg_length)
       return Refusal(
           Reason::numerical,
           "the contact points of both feet stand {:.3g} m apart along the ground; with less than {:.3g} m the normal "
           "forces are not determined",
-          std::abs(lever.x()), 1e-6 * robot.leg_length);
+          std::abs(lever.x()), kCoincident * robot.leg_length);
     const double moment_about_p = equations.moment_about_origin() - cross(p, F);
     force(leading).y() = (moment_about_p + lever.y() * force(leading).x()) / lever.x();
     force(trailing).y() = F.y() - force(leading).y();
   }
-  return w;
+  return Reactions{w};
+}
+
+// a share of the load, and whether it was outside 0 to 1 or undefined
+struct Share
+{
+  double s;
+  bool clamped;
+};
+
+// a moment as a share of another; 0.5 where that one is nothing
+Share share_of(double part, double whole, double nothing)
+{
+  if (std::abs(whole) < nothing)
+    return {0.5, true};
+  const double s = part / whole;
+  return {std::clamp(s, 0.0, 1.0), s < 0.0 || s > 1.0};
+}
+
+} // namespace
+
+Result<Reactions> linear_transition(const Robot& robot, const SupportEquations& equations, const Support& support,
+                                    const LinearTransition& settings)
+{
+  return share_load(robot, equations, support, support.load_transfer, settings);
+}
+
+Result<Reactions> zmp_transition(const Robot& robot, const SupportEquations& equations, const Support& support)
+{
+  const bool leading_sole = support.of(support.leading) == Contact::sole;
+  const bool trailing_sole = support.of(support.trailing()) == Contact::sole;
+  const FootPose& leading = equations.foot(support.leading);
+  const FootPose& trailing = equations.foot(support.trailing());
+  const double p = support.phase;
+  const double nothing = kNoLoad * robot.weight() * robot.leg_length;
+  const Eigen::Vector2d F = equations.force();
+  const double m = equations.moment_about_origin();
+
+  Share share{p, false};
+  if (leading_sole != trailing_sole)
+  {
+    // s*, numerator and denominator times F_z
+    share = share_of(m - trailing.toe.x() * F.y(), (leading.heel.x() - trailing.toe.x()) * F.y(), nothing);
+    share.s = trailing_sole ? p * share.s : share.s + p * (1.0 - share.s);
+  }
+  else if (!leading_sole)
+  {
+    // the share of F that, at the leading point, balances the moments about the trailing one
+    const Eigen::Vector2d at = trailing.point(support.of(support.trailing()));
+    const Eigen::Vector2d lever = leading.point(support.of(support.leading)) - at;
+    share = share_of(m - cross(at, F), cross(lever, F), nothing);
+  }
+
+  Result<Reactions> result = share_load(robot, equations, support, share.s, {});
+  if (Reactions* reactions = std::get_if<Reactions>(&result))
+    reactions->clamped = share.clamped;
+  return result;
 }
 
 } // namespace torqued

@@ -8,37 +8,57 @@ namespace torqued
 namespace
 {
 
-// w when equations (2) leave nothing to choose
-Result<WrenchVector> determined_wrench(const Robot& robot, const SupportEquations& equations, const Support& support,
-                                       double tolerance)
+// Refuses a motion that no reaction can serve.
+std::optional<Refusal> check_admissible(const Robot& robot, const Support& support, const AdmissibleReactions& all,
+                                        double tolerance)
 {
-  const Eigen::Vector3d& d = equations.d;
-  const int components = support.wrench_components();
-  WrenchVector w(components);
-  if (components == 0)
-  {
-    const double force = d.head<2>().cwiseAbs().maxCoeff();
-    if (force > tolerance * robot.weight() || std::abs(d(2)) > tolerance * robot.weight() * robot.leg_length)
-      return Refusal(Reason::under_actuated,
-                     "in flight this motion would need {:.4g} N forward, {:.4g} N upward and {:.4g} N m about the base "
-                     "point from the ground; a flight answered needs none",
-                     d(0), d(1), d(2));
-    return w;
-  }
-
+  const double force = tolerance * robot.weight();
+  const double moment = force * robot.leg_length;
+  const Eigen::Vector3d& unmet = all.unmet;
+  if (unmet.head<2>().cwiseAbs().maxCoeff() <= force && std::abs(unmet(2)) <= moment)
+    return {};
+  if (support.wrench_components() == 0)
+    return Refusal(Reason::under_actuated,
+                   "in flight this motion would need {:.4g} N forward, {:.4g} N upward and {:.4g} N m about the base "
+                   "point from the ground; a flight answered needs none",
+                   unmet(0), unmet(1), unmet(2));
+  if (support.redundancy() > 0)
+    return Refusal(Reason::under_actuated,
+                   "with both contact points at one place this motion leaves a moment of {:.4g} N m about it, which no "
+                   "motor can supply; up to {:.4g} N m is answered",
+                   unmet(2), moment);
   const Side side = support.of(Side::left) != Contact::none ? Side::left : Side::right;
-  const Eigen::Vector2d lever = equations.foot(side).point(support.of(side)) - equations.base;
-  const double moment = d(2) - cross(lever, d.head<2>());
-  w.head<2>() = d.head<2>();
-  if (components == 3)
-    w(2) = moment;
-  else if (std::abs(moment) > tolerance * robot.weight() * robot.leg_length)
-    return Refusal(
-        Reason::under_actuated,
-        "on the {} {} alone this motion leaves a moment of {:.4g} N m about the contact point, which no motor can "
-        "supply; up to {:.4g} N m is answered",
-        name_of(side), name_of(support.of(side)), moment, tolerance * robot.weight() * robot.leg_length);
-  return w;
+  return Refusal(Reason::under_actuated,
+                 "on the {} {} alone this motion leaves a moment of {:.4g} N m about the contact point, which no motor "
+                 "can supply; up to {:.4g} N m is answered",
+                 name_of(side), name_of(support.of(side)), unmet(2), moment);
+}
+
+Result<Reactions> reactions_of(Result<CarriedTrunk> carried)
+{
+  if (const Refusal* refusal = std::get_if<Refusal>(&carried))
+    return *refusal;
+  return std::get<CarriedTrunk>(carried).reactions;
+}
+
+Result<Reactions> choose(const Robot& robot, const SupportEquations& equations, const Support& support,
+                         const AdmissibleReactions& all, Method method, const MethodSettings& settings)
+{
+  switch (method)
+  {
+  case Method::pseudo_inverse: return pseudo_inverse(support, all, settings.pseudo_inverse);
+  case Method::linear_transition: return linear_transition(robot, equations, support, settings.linear_transition);
+  case Method::internal_wrench: return reactions_of(least_torque(robot, equations, support, settings.internal_wrench));
+  case Method::torso_wrench: return reactions_of(least_torque(robot, equations, support, settings.torso_wrench));
+  case Method::tracked_reaction:
+    return reactions_of(tracked_reaction(robot, equations, support, settings.linear_transition));
+  case Method::tracked_internal:
+    return reactions_of(tracked_internal(robot, equations, support, settings.linear_transition));
+  case Method::constrained: return constrained(robot, equations, support, all, settings.constrained, settings.relax);
+  case Method::zmp_transition: return zmp_transition(robot, equations, support);
+  case Method::none: break;
+  }
+  return Reactions{all.w0}; // nothing to choose
 }
 
 } // namespace
@@ -51,18 +71,34 @@ std::string_view name_of(Method method)
   return "none";
 }
 
+std::optional<std::string> complaint(const MethodSettings& settings, int num_joints)
+{
+  const std::array<std::pair<std::string_view, const JointWeights*>, 4> all{
+      {{"pseudo_inverse", &settings.pseudo_inverse.weights},
+       {"internal_wrench", &settings.internal_wrench.weights},
+       {"torso_wrench", &settings.torso_wrench.weights},
+       {"constrained", &settings.constrained.weights}}};
+  for (const auto& [table, weights] : all)
+    if (weights->size() > 0 && weights->rows() != num_joints)
+      return fmt::format("{}: weights: found {} of them; this robot has {} motors", table, weights->rows(), num_joints);
+  return {};
+}
+
 Result<TorqueSolution> solve_torques(const Robot& robot, const SupportEquations& equations, const Support& support,
                                      Method method, const MethodSettings& settings, double residual_tolerance)
 {
-  const bool choice = support.redundancy() > 0;
-  const Result<WrenchVector> chosen = choice ? linear_transition(robot, equations, support, settings.linear_transition)
-                                             : determined_wrench(robot, equations, support, residual_tolerance);
-  if (const Refusal* refusal = std::get_if<Refusal>(&chosen))
+  const AdmissibleReactions all = admissible_reactions(robot, equations, support);
+  if (const auto refusal = check_admissible(robot, support, all, residual_tolerance))
     return *refusal;
-  const WrenchVector& w = std::get<WrenchVector>(chosen);
 
   TorqueSolution solution;
-  solution.method = !choice ? Method::none : method == Method::none ? settings.method : method;
+  solution.method = all.redundancy() == 0 ? Method::none : method == Method::none ? settings.method : method;
+  const Result<Reactions> chosen = choose(robot, equations, support, all, solution.method, settings);
+  if (const Refusal* refusal = std::get_if<Refusal>(&chosen))
+    return *refusal;
+  const WrenchVector& w = std::get<Reactions>(chosen).w;
+  solution.clamped = std::get<Reactions>(chosen).clamped;
+  solution.relaxed = std::get<Reactions>(chosen).relaxed;
 
   // τ = B⁺ (r − Jᵀ w)
   const VectorQ rest = equations.r - equations.J.transpose() * w;
@@ -70,17 +106,16 @@ Result<TorqueSolution> solve_torques(const Robot& robot, const SupportEquations&
   solution.w = w;
 
   // each foot's wrench about its ankle
-  int row = 0;
   for (const Side side : kSides)
   {
     const Contact contact = support.of(side);
     if (contact == Contact::none)
       continue;
     const FootPose& foot = equations.foot(side);
+    const int row = support.row(side);
     const double moment =
         contact == Contact::sole ? w(row + 2) : cross(foot.point(contact) - foot.ankle, w.segment<2>(row));
     solution.ground[static_cast<std::size_t>(side)] = {w(row), w(row + 1), moment};
-    row += wrench_components(contact);
   }
   return solution;
 }

@@ -1,50 +1,56 @@
 /// From the equations of a support to torques and ground reactions.
 #pragma once
 
-#include "torque/equations.h"
+#include "torque/constrained.h"
+#include "torque/linear_transition.h"
+#include "torque/pseudo_inverse.h"
+#include "torque/trunk_wrench.h"
 
 #include <optional>
+#include <string>
 #include <string_view>
-#include <vector>
 
 namespace torqued
 {
 
-/// Hands the load from the trailing to the leading foot in proportion to load_transfer, s.
-///
-/// Each foot takes its share of the total ground force F, horizontal part too: leading s F, trailing (1 − s) F.
-/// Source: H. F. N. Al-Shuka, B. J. Corves, W.-H. Zhu, "Dynamic Modeling of Biped Robot using Lagrangian and
-/// Recursive Newton-Euler Formulations", 2014, equations (28) and (29), with t_s and t_d the instants at which double
-/// support begins and ends. They give forces and no moments, which leaves to each contact pair:
-///
-/// - sole and point: the point's share acts at the point; the sole's wrench follows from (2).
-/// - point and point: s splits the horizontal force; (2) determines the normal forces. Refused as numerical when the
-///   points stand above one another.
-/// - sole and sole: one moment is free. By default each foot's centre of pressure follows the total zero-moment point
-///   as far as its sole allows; or the leading foot's stays at `leading_cop`, a fraction of its sole (0 = heel, 1 =
-///   toe).
-struct LinearTransition
-{
-  std::optional<double> leading_cop; ///< empty: follow the zero-moment point
-};
-
-/// The methods that can be asked for, by number and name ("linear-transition"), and the settings of each.
+/// The methods that can be asked for, by number and name.
 struct NamedMethod
 {
   Method method;
   std::string_view name;
 };
-inline constexpr std::array<NamedMethod, 1> kMethods{{{Method::linear_transition, "linear-transition"}}};
+inline constexpr std::array<NamedMethod, 8> kMethods{{
+    {Method::pseudo_inverse, "pseudo-inverse"},
+    {Method::linear_transition, "linear-transition"},
+    {Method::internal_wrench, "internal-wrench"},
+    {Method::torso_wrench, "torso-wrench"},
+    {Method::tracked_reaction, "tracked-reaction"},
+    {Method::tracked_internal, "tracked-internal"},
+    {Method::constrained, "constrained"},
+    {Method::zmp_transition, "zmp-transition"},
+}};
 /// The same for a complaint about a desired state.
-inline constexpr std::string_view kMethodChoices = "DEFAULT (0) or LINEAR_TRANSITION (2)";
+inline constexpr std::string_view kMethodChoices =
+    "DEFAULT (0), PSEUDO_INVERSE (1), LINEAR_TRANSITION (2), INTERNAL_WRENCH (3), TORSO_WRENCH (4), TRACKED_REACTION "
+    "(5), TRACKED_INTERNAL (6), CONSTRAINED (7) or ZMP_TRANSITION (8)";
 /// A method's name; "none" for Method::none and for any number that is no method.
 std::string_view name_of(Method method);
 
+/// The settings of each method; zmp_transition has none.
 struct MethodSettings
 {
-  Method method = Method::linear_transition; ///< used when the desired state asks for none
-  LinearTransition linear_transition;
+  Method method = Method::zmp_transition; ///< used when the desired state asks for none
+  PseudoInverse pseudo_inverse;
+  LinearTransition linear_transition; ///< of tracked_reaction and tracked_internal, too
+  InternalWrench internal_wrench;
+  InternalWrench torso_wrench{.sigma = 0.0, .weights = {}};
+  Constrained constrained;
+  bool relax = true; ///< constrained: conditions that cannot be met are violated as little as can be; else refused
 };
+
+/// What is wrong with the settings for a robot with so many motors: one line, or nothing. Weights need a row and a
+/// column for each motor.
+std::optional<std::string> complaint(const MethodSettings& settings, int num_joints);
 
 /// The wrench (N, N m) of the ground on one foot: force, and moment about the ankle.
 struct Wrench
@@ -55,27 +61,24 @@ struct Wrench
 /// What makes the motion happen.
 struct TorqueSolution
 {
-  VectorJ torque;               ///< N m, in the actuators' order
-  std::array<Wrench, 2> ground; ///< indexed by Side; about the ankle, whatever the contact
-  WrenchVector w;               ///< the same, in the order of the rows of J, about the contact points
-  Method method;                ///< none when nothing had to be chosen
+  VectorJ torque;                        ///< N m, in the actuators' order
+  std::array<Wrench, 2> ground;          ///< indexed by Side; about the ankle, whatever the contact
+  WrenchVector w;                        ///< the same, in the order of the rows of J, about the contact points
+  Method method;                         ///< none when nothing had to be chosen
+  bool clamped = false, relaxed = false; ///< of the Reactions
 };
 
 /// Chooses w by the method that the support calls for, and computes the torques, equation (3).
 ///
 /// residual_tolerance: an under-actuated motion (flight; one heel or toe) is answered only if its equations (2) hold
-/// within this share of the weight (forces), or of weight × leg length (moment about the contact point). The torques
-/// are then exact in every row but the root's, which keeps the residual.
-/// Refuses: under_actuated; numerical when a method's equations are singular.
+/// within this share of the weight (forces), or of weight × leg length (moment about the contact point); so is one on
+/// two heels or toes at one place. The torques are then exact in every row but the root's, which keeps the residual.
+/// Refuses: under_actuated; infeasible; numerical when a method's equations are singular.
 Result<TorqueSolution> solve_torques(const Robot& robot, const SupportEquations& equations, const Support& support,
                                      Method method, const MethodSettings& settings, double residual_tolerance);
 
 /// Largest component of r − B τ − Jᵀ w, N or N m: rounding, unless the motion is under-actuated or τ was clamped.
 double dynamics_residual(const Robot& robot, const SupportEquations& equations, const WrenchVector& w,
                          const VectorJ& torque);
-
-/// The rule of LinearTransition, for any two contacts. Refuses: numerical.
-Result<WrenchVector> linear_transition(const Robot& robot, const SupportEquations& equations, const Support& support,
-                                       const LinearTransition& settings);
 
 } // namespace torqued

@@ -1,0 +1,66 @@
+/// Double support as two legs that carry the trunk: the four procedures of [Al-Shuka 2014, (61) to (74)].
+///
+/// The trailing leg carries f_T1 of the trunk's net wrench f*, the leading leg f_T2:
+///
+///   f_T1 + f_T2 = f*,   f_T1 = σ f* + η,   f_T2 = (1 − σ) f* − η                                     (61) to (63)
+///
+/// η: the internal wrench. All are (f_x, f_z, moment about the origin of the trunk's frame), world frame, N and N m; f*
+/// is the rate of momentum of the trunk and of what hangs on it, weight included. What stands on the ground under a leg
+/// follows from what it carries, as the leg's own rate of momentum is known:
+///
+///   ground wrench of a foot = f_T + n,   n: rate of momentum of its leg, weight included
+///
+/// so torques and the moments about heels or toes, which must vanish, are affine in η:
+///
+///   τ = B1 η + b1(σ),   a1ᵀ η + a2(σ) = 0: one row for each heel or toe                               (64) to (68)
+#pragma once
+
+#include "torque/linear_transition.h"
+
+namespace torqued
+{
+
+/// Procedures 1 and 2: the least ½ τᵀ W τ that the equations allow, no condition of a contact or a motor respected.
+///
+///   η = −P B1ᵀ W b1 − P a1 θ,   θ = (a1ᵀ P a1)⁻¹ (a2 − a1ᵀ P B1ᵀ W b1),   P = (B1ᵀ W B1)⁻¹                     (69)
+///
+/// Procedure 2, (70), is σ = 0: f_T1 itself is sought. σ shows in η, not in torques or reactions: η + σ f* is the same
+/// for all. In the paper's (70) b1 and a2 keep a shift by σ f*.
+struct InternalWrench
+{
+  double sigma = 0.5; ///< the trailing leg's share of f* before η
+  JointWeights weights;
+};
+
+/// An internal wrench and what follows from it.
+struct CarriedTrunk
+{
+  Eigen::Vector3d trunk;    ///< f*
+  Eigen::Vector3d internal; ///< η
+  double sigma;             ///< σ, after a clamp
+  Reactions reactions;
+};
+
+/// Refuses: numerical where B1 loses rank, because an internal wrench needs no torque (both legs straight, parallel,
+/// and feet at one place).
+Result<CarriedTrunk> least_torque(const Robot& robot, const SupportEquations& equations, const Support& support,
+                                  const InternalWrench& settings);
+
+/// Procedure 3: the wrench of one foot is that of linear_transition(), and determines f_T1:
+///
+///   B2 f_T1 + b3 = y                                                                                         (71)
+///
+/// The foot is the one on heel or toe, y its wrench about that point, (λ, 0); where both feet or none are on their
+/// soles, the leading one. B2 is rigid, so that (71) always has its one solution. The result is linear_transition()'s.
+Result<CarriedTrunk> tracked_reaction(const Robot& robot, const SupportEquations& equations, const Support& support,
+                                      const LinearTransition& settings);
+
+/// Procedure 4: the same wrench, by the least internal wrench and share at once:
+///
+///   [η; σ̄] = [B2 b2]^# (y − b3),   b2 = B2 f*,   σ = clamp(σ̄, 0, 1),   η = B2⁻¹ (y − b3 − b2 σ)       (72) to (74)
+///
+/// In the paper η stays what it was before the clamp, and then (71) does not hold.
+Result<CarriedTrunk> tracked_internal(const Robot& robot, const SupportEquations& equations, const Support& support,
+                                      const LinearTransition& settings);
+
+} // namespace torqued
