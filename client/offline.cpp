@@ -13,7 +13,8 @@ void add_offline_options(CLI::App& subcommand, OfflineOptions& options, const st
   subcommand.add_option("FILE", options.file, "a trajectory CSV, or an LCM log of desired states")
       ->type_name("")
       ->required();
-  subcommand.add_option("-o,--output", options.out, out)->type_name("OUT")->required();
+  if (!out.empty())
+    subcommand.add_option("-o,--output", options.out, out)->type_name("OUT")->required();
   add_robot_option(subcommand, options.robot, "default: ck");
   add_prefix_option(subcommand, options.prefix);
   subcommand.add_flag("--differentiate", options.differentiate,
@@ -28,7 +29,8 @@ void add_answer_options(CLI::App& subcommand, OfflineOptions& options)
 
 OfflineInput read_offline_input(const OfflineOptions& options)
 {
-  require_other_file(options.file, options.out);
+  if (!options.out.empty())
+    require_other_file(options.file, options.out);
   Config config = options.config.empty() ? Config() : read_config(options.config);
   if (!options.robot.empty())
     config.robot = options.robot;

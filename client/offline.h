@@ -23,7 +23,7 @@ struct OfflineOptions
   bool differentiate = false;
 };
 
-/// Adds FILE, --output, --robot, --prefix and --differentiate. out: what the output is.
+/// Adds FILE, --output, --robot, --prefix and --differentiate. out: what the output is; empty: there is none.
 void add_offline_options(CLI::App& subcommand, OfflineOptions& options, const std::string& out);
 /// Adds --config and --method, for what depends on how double support is resolved.
 void add_answer_options(CLI::App& subcommand, OfflineOptions& options);

@@ -27,8 +27,10 @@ struct Subcommand
 Subcommand add_send(CLI::App& torquectl);
 Subcommand add_echo(CLI::App& torquectl);
 Subcommand add_eval(CLI::App& torquectl);
+Subcommand add_compare(CLI::App& torquectl);
 Subcommand add_dynamics(CLI::App& torquectl);
 Subcommand add_wrenches(CLI::App& torquectl);
+Subcommand add_gait(CLI::App& torquectl);
 Subcommand add_export(CLI::App& torquectl);
 Subcommand add_model(CLI::App& torquectl);
 

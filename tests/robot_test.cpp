@@ -158,8 +158,8 @@ TEST_CASE("the trunk is half way between the feet, and each leg is what hangs be
   CHECK(legs(load_robot("compass")).empty());
   // what hangs on the trunk is carried with it, what hangs on a leg is the leg's
   const std::string more =
-      "[[link]]\nname = \"arm\"\njoint = \"fixed\"\nparent = \"trunk\"\nmass = 1\ncom = [0, 0]\n"
-      "inertia = 0\n[[link]]\nname = \"bag\"\njoint = \"fixed\"\nparent = \"left_thigh\"\nmass = 1\n"
+      "[[link]]\nname = \"arm\"\njoint = \"fixed\"\nparent = \"trunk\"\nat = [0, 0]\nmass = 1\ncom = [0, 0]\n"
+      "inertia = 0\n[[link]]\nname = \"bag\"\njoint = \"fixed\"\nparent = \"left_thigh\"\nat = [0, 0]\nmass = 1\n"
       "com = [0, 0]\ninertia = 0\n";
   CHECK(sorted(legs(read_toml_robot(ck_text() + more, "more.toml"))) == sorted(seven + " bag left"));
 }
