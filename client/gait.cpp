@@ -383,8 +383,9 @@ GaitReport Gait::survey() const
   constexpr int samples = 200;
   constexpr double infinity = std::numeric_limits<double>::infinity();
   GaitReport report{infinity, infinity, 0.0, infinity};
+  double lowest = 0.0, lowest_at = 0.0;
   for (const GaitPhase& phase : phases_)
-    for (int i = 0; i <= samples; ++i)
+    for (int i = 0; i <= samples && phase.step < 2; ++i) // later steps repeat these
     {
       const double t = phase.begin + (phase.end - phase.begin) * i / samples;
       const DesiredState state = at(t, phase);
@@ -402,13 +403,17 @@ GaitReport Gait::survey() const
         report.knee_flexion = std::min(report.knee_flexion, state.q(robot_.link(leg.thigh).coordinate) -
                                                                 state.q(robot_.link(leg.shin).coordinate));
       for (const FootPose& pose : equations.feet)
-        if (const double lowest = std::min(pose.heel.y(), pose.toe.y()); lowest < -1e-9 * robot_.leg_length)
-          throw Failure(
-              ExitCode::usage,
-              fmt::format("at {:.3f} s the swinging foot would be {:.3g} m below the ground; more --clearance "
-                          "would do",
-                          t, -lowest));
+        if (const double height = std::min(pose.heel.y(), pose.toe.y()); height < lowest)
+        {
+          lowest = height;
+          lowest_at = t;
+        }
     }
+  if (lowest < -1e-9 * robot_.leg_length)
+    throw Failure(
+        ExitCode::usage,
+        fmt::format("at {:.3f} s the swinging foot would be {:.3g} m below the ground; more --clearance would do",
+                    lowest_at, -lowest));
   return report;
 }
 
