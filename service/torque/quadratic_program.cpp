@@ -65,28 +65,29 @@ public:
   void minimise()
   {
     const Rows& rows = program_.rows;
-    Vector g = program_.g;
-    for (int i = 0; i < rows.size(); ++i)
-      if (active_[static_cast<std::size_t>(i)] && is_soft(i))
-        g -= rows.b(i) * rows.A.row(i).transpose();
-    Vector x = -L_.matrixL().solve(g);
-    Vector lacking(num_hard_);
-    for (int k = 0; k < num_hard_; ++k)
-    {
-      const int row = hard_[static_cast<std::size_t>(k)];
-      lacking(k) = direction(row).dot(x) - rows.b(row);
-    }
-    const Vector along = R().transpose().solve(lacking);
-    x -= Q_ * along;
-    y_ = L_.matrixU().solve(x);
-
+    y_ = Vector::Zero(program_.g.size());
     lambda_.setZero();
-    const Vector multipliers = R().solve(along);
-    for (int k = 0; k < num_hard_; ++k)
-      lambda_(hard_[static_cast<std::size_t>(k)]) = std::max(0.0, multipliers(k));
-    for (int i = 0; i < rows.size(); ++i)
-      if (active_[static_cast<std::size_t>(i)] && is_soft(i))
-        lambda_(i) = std::max(0.0, rows.A.row(i).dot(y_) - rows.b(i));
+    // the second time corrects what the first lost to a badly conditioned H
+    for (int times = 0; times < 2; ++times)
+    {
+      Vector x = -L_.matrixL().solve(gradient());
+      Vector lacking(num_hard_);
+      for (int k = 0; k < num_hard_; ++k)
+      {
+        const int row = hard_[static_cast<std::size_t>(k)];
+        lacking(k) = rows.A.row(row).dot(y_) + direction(row).dot(x) - rows.b(row);
+      }
+      const Vector along = R().transpose().solve(lacking);
+      x -= Q_ * along;
+      y_ += L_.matrixU().solve(x);
+      const Vector multipliers = R().solve(along);
+      for (int k = 0; k < num_hard_; ++k)
+        lambda_(hard_[static_cast<std::size_t>(k)]) += multipliers(k);
+      for (int i = 0; i < rows.size(); ++i)
+        if (active_[static_cast<std::size_t>(i)] && is_soft(i))
+          lambda_(i) = rows.A.row(i).dot(y_) - rows.b(i);
+    }
+    lambda_ = lambda_.cwiseMax(0.0); // what rounding made negative
   }
 
   // the row that is violated most, −1 if all are met
@@ -176,6 +177,16 @@ private:
   static constexpr double kDependent = 1e-10;
 
   bool is_soft(int row) const { return program_.rows.soft[static_cast<std::size_t>(row)]; }
+  // H y + g + Σ λ_i a_i, soft rows of the set with λ_i = a_i·y − b_i
+  Vector gradient() const
+  {
+    const Rows& rows = program_.rows;
+    Vector sum = program_.H * y_ + program_.g;
+    for (int i = 0; i < rows.size(); ++i)
+      if (active_[static_cast<std::size_t>(i)])
+        sum += (is_soft(i) ? rows.A.row(i).dot(y_) - rows.b(i) : lambda_(i)) * rows.A.row(i).transpose();
+    return sum;
+  }
   Vector direction(int row) const { return L_.matrixL().solve(program_.rows.A.row(row).transpose()); }
 
   const QuadraticProgram& program_;
@@ -204,7 +215,7 @@ KktResiduals kkt_residuals(const QuadraticProgram& program, const BoundedVector<
   KktResiduals residuals{0.0, 0.0, 0.0, 0.0};
   const double largest = std::max(1.0, lambda.size() > 0 ? lambda.cwiseAbs().maxCoeff() : 0.0);
   Vector gradient = H * y + g;
-  double size = std::max({1.0, g.size() > 0 ? g.cwiseAbs().maxCoeff() : 0.0, gradient.lpNorm<Eigen::Infinity>()});
+  double size = std::max({1.0, g.lpNorm<Eigen::Infinity>(), (H.cwiseAbs() * y.cwiseAbs()).lpNorm<Eigen::Infinity>()});
   for (int i = 0; i < rows.size(); ++i)
   {
     const Vector part = lambda(i) * rows.A.row(i).transpose();
@@ -233,7 +244,11 @@ QuadraticProgramSolution solve(const QuadraticProgram& program)
   {
     const int row = working.most_violated();
     if (row < 0)
-      return {QuadraticProgramStatus::optimal, working.y(), working.lambda(), solution.steps};
+    {
+      if (kkt_residuals(program, working.y(), working.lambda()).largest() <= kKktTolerance)
+        solution = {QuadraticProgramStatus::optimal, working.y(), working.lambda(), solution.steps};
+      return solution;
+    }
     for (auto raised = WorkingSet::Raised::not_yet; raised != WorkingSet::Raised::met;)
     {
       if (++solution.steps > kMaxSteps)

@@ -42,7 +42,7 @@ struct QuadraticProgram
 /// How far a point is from optimal, each in the worst entry.
 struct KktResiduals
 {
-  double stationarity; ///< |H y + g + Σ λ_i a_i|, over the largest of |H y|, |g|, |λ_i a_i| and 1
+  double stationarity; ///< |H y + g + Σ λ_i a_i|, over the largest of |H| |y|, |g|, |λ_i a_i| and 1
   double violation; ///< a_i·y − b_i, of a soft row a_i·y − b_i − λ_i; over the largest of |a_i|·|y|, |b_i| and 1
   double sign;      ///< −λ_i, over the largest of |λ| and 1
   double complementarity; ///< λ_i > 0 times what its row lacks to equality; scaled as both
@@ -57,11 +57,14 @@ KktResiduals kkt_residuals(const QuadraticProgram& program, const BoundedVector<
 /// A row counts as met when it lacks no more than this, over the largest of |a_i|·|y|, |b_i| and 1.
 inline constexpr double kRowTolerance = 1e-11;
 
+/// What is answered as optimal has KKT residuals no larger than this.
+inline constexpr double kKktTolerance = 1e-9;
+
 enum class QuadraticProgramStatus
 {
   optimal,
   infeasible, ///< no y meets all hard rows
-  not_solved  ///< H is not positive definite, or more steps than kMaxSteps
+  not_solved  ///< H is not positive definite, a number is not finite, or more steps than kMaxSteps would be needed
 };
 
 struct QuadraticProgramSolution
