@@ -90,6 +90,36 @@ TEST_CASE("a motion that contradicts its contacts is flagged, or refused by sett
   check(desired, true);
 }
 
+TEST_CASE("conditions that cannot be met are relaxed and flagged, or refused by setting", "[answer]")
+{
+  const Robot robot = load_robot("ck");
+  DesiredState desired = standing();
+  desired.q << 0, -0.3, 0.2, 0.3, 0.1, 0, 0, 0, 0.84; // one foot before the other
+  desired.method = Method::constrained;
+  StreamMemory memory;
+  AnswerSettings refuse;
+  refuse.methods.relax = false;
+  Answer found = answered(robot, {}, desired, memory);
+  CHECK((found.flags & (flag::relaxed | flag::slips | flag::lifts | flag::tips)) == 0);
+  CHECK(found.method == Method::constrained);
+  answered(robot, refuse, desired, memory);
+
+  // leaning forward so fast that the zero-moment point leaves both feet
+  desired.a.tail<2>() << -6.0, 0.0;
+  found = answered(robot, {}, desired, memory);
+  CHECK((found.flags & flag::relaxed) != 0);
+  CHECK((found.flags & (flag::slips | flag::lifts | flag::tips)) != 0);
+  CHECK(refused(robot, refuse, desired, memory) == Reason::infeasible);
+
+  // a share that had to be clamped
+  desired.a.setZero();
+  desired.method = Method::tracked_internal;
+  desired.support.load_transfer = 0.0;
+  CHECK((answered(robot, {}, desired, memory).flags & flag::clamped) != 0);
+  desired.support.load_transfer = 0.5;
+  CHECK((answered(robot, {}, desired, memory).flags & flag::clamped) == 0);
+}
+
 TEST_CASE("torque limits are flagged, refused or clamped", "[answer]")
 {
   Robot robot = load_robot("ck");
