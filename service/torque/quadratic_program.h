@@ -42,7 +42,7 @@ struct QuadraticProgram
 /// How far a point is from optimal, each in the worst entry.
 struct KktResiduals
 {
-  double stationarity; ///< |H y + g + Σ λ_i a_i|, over the largest of |H| |y|, |g|, |λ_i a_i| and 1
+  double stationarity; ///< |H y + g + Σ λ_i a_i|, over the largest of |H|·|y|, |g|, |λ_i|·|a_i| and 1
   double violation; ///< a_i·y − b_i, of a soft row a_i·y − b_i − λ_i; over the largest of |a_i|·|y|, |b_i| and 1
   double sign;      ///< −λ_i, over the largest of |λ| and 1
   double complementarity; ///< λ_i > 0 times what its row lacks to equality; scaled as both
@@ -64,7 +64,7 @@ enum class QuadraticProgramStatus
 {
   optimal,
   infeasible, ///< no y meets all hard rows
-  not_solved  ///< H is not positive definite, a number is not finite, or more steps than kMaxSteps would be needed
+  not_solved  ///< H is not positive definite, or more steps than kMaxSteps
 };
 
 struct QuadraticProgramSolution
@@ -75,7 +75,7 @@ struct QuadraticProgramSolution
   int steps;
 };
 
-/// The most rows that are added and dropped; random programs need fewer than ten.
+/// The most rows that are added and dropped; random programs need fewer than twenty.
 inline constexpr int kMaxSteps = 500;
 
 /// Solves by the dual active-set method: from the minimum without rows it meets one violated row after another, and
