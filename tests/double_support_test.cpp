@@ -123,6 +123,16 @@ TEST_CASE("each contact pair leaves as many reactions free as counting says, and
                          unmet(6) = all.unmet(2);
                          unmet.tail<2>() = all.unmet.head<2>();
                          CHECK(mismatch(rest, unmet, 1e-10 * (1.0 + 100.0 * n_w)) == "");
+                         // y is what the foot carries that is not on its sole; of two soles, the leading one
+                         const Support& support = now.support();
+                         if (left == Contact::sole || right == Contact::sole)
+                         {
+                           const bool trailing = support.of(support.trailing()) == Contact::sole;
+                           const Side free = trailing ? support.leading : support.trailing();
+                           const int components = wrench_components(support.of(free));
+                           CHECK(all.w0.segment(support.row(free), components).isZero(0.0));
+                           CHECK(all.Z.middleRows(support.row(free), components).isIdentity(0.0));
+                         }
                          if (all.redundancy() > 0)
                            CHECK(Eigen::MatrixXd(all.T).colPivHouseholderQr().rank() == all.redundancy());
                        });
@@ -382,6 +392,34 @@ TEST_CASE("procedure 1 is the least torque of all that serve the motion, for eve
         CHECK((turned.solution(Method::internal_wrench, settings).torque - found.torque).cwiseAbs().maxCoeff() <
               1e-9 * unit);
       });
+}
+
+TEST_CASE("between two points zmp_transition leaves each foot a share of the total force, at any height",
+          "[double_support]")
+{
+  oracle::Random random(415);
+  int shared = 0, clamped = 0;
+  for (const Contact left : {Contact::heel, Contact::toe})
+    for (const Contact right : {Contact::heel, Contact::toe})
+      for_random_cases(random, left, right,
+                       [&](Case& now)
+                       {
+                         const TorqueSolution found = now.solution(Method::zmp_transition);
+                         const Eigen::Vector2d F = now.d().head<2>();
+                         const Eigen::Vector2d f = found.w.segment<2>(now.support().row(now.support().leading));
+                         const double share = f.dot(F) / F.squaredNorm();
+                         if (found.clamped)
+                         {
+                           ++clamped;
+                           return;
+                         }
+                         ++shared;
+                         CHECK((f - share * F).norm() < 1e-9 * size(now, found));
+                         CHECK(share > -1e-9);
+                         CHECK(share < 1.0 + 1e-9);
+                       });
+  CHECK(shared > kCases);
+  CHECK(clamped > kCases / 5);
 }
 
 TEST_CASE("both legs carry the trunk: f* is its rate of momentum, and what the legs carry adds up to it",

@@ -450,7 +450,9 @@ TEST_CASE("what cannot be done ends with its exit code and one line", "[torquect
       {{"eval"}, 64, "FILE is required; torquectl eval --help says what is right"},
       {{"eval", kWalk, "-o", "x.txt"}, 64, "-o: found \"x.txt\"; expected a name that ends in .csv or .lcm"},
       {{"eval", kWalk, "-o", kWalk}, 64, fmt::format("{0} would be written over {0}, which is read", kWalk)},
-      {{"eval", kWalk, "-o", out, "--method", "x"}, 64, "--method: found \"x\"; expected one of: pseudo-inverse, linear-transition, internal-wrench, torso-wrench, "
+      {{"eval", kWalk, "-o", out, "--method", "x"},
+       64,
+       "--method: found \"x\"; expected one of: pseudo-inverse, linear-transition, internal-wrench, torso-wrench, "
        "tracked-reaction, tracked-internal, constrained, zmp-transition"},
       {{"eval", kWalk, "-o", out, "--prefix", "a.*"},
        64,
