@@ -644,3 +644,115 @@ TEST_CASE("another place of the knees' motors divides their torques, unless torq
       }
   CHECK(changed > 9 * cases / 10);
 }
+
+TEST_CASE("a robot with fewer motors than a wrench has components is served where its contacts leave as few free",
+          "[double_support]")
+{
+  // a trunk on two straight legs with point feet: two motors, and one internal force
+  const Robot robot = read_toml_robot(R"(
+name = "stilts"
+source = "made up"
+gravity = 9.81
+[[link]]
+name = "trunk"
+joint = "floating"
+coordinate = "q0"
+mass = 20
+com = [0, 0.2]
+inertia = 0.5
+[[link]]
+name = "left_leg"
+joint = "revolute"
+parent = "trunk"
+at = [0, 0]
+coordinate = "q1"
+mass = 5
+com = [0, -0.4]
+inertia = 0.1
+[[link]]
+name = "right_leg"
+joint = "revolute"
+parent = "trunk"
+at = [0, 0]
+coordinate = "q2"
+mass = 5
+com = [0, -0.4]
+inertia = 0.1
+[[foot]]
+side = "left"
+link = "left_leg"
+ankle = [0, -0.8]
+friction = 0.8
+[[foot]]
+side = "right"
+link = "right_leg"
+ankle = [0, -0.8]
+friction = 0.8
+)",
+                                      "stilts.toml");
+  DesiredState desired{};
+  desired.support = {{Contact::heel, Contact::heel}, Side::left, 0.5, 0.5};
+  desired.q = desired.v = desired.a = VectorQ::Zero(5);
+  desired.q.head<3>() << 0.1, 0.4, -0.3;
+  const auto equations = std::get<SupportEquations>(support_equations(robot, desired));
+  for (const NamedMethod& known : kMethods)
+  {
+    CAPTURE(known.name);
+    const auto solved = solve_torques(robot, equations, desired.support, known.method, {}, 1e-3);
+    REQUIRE(std::holds_alternative<TorqueSolution>(solved));
+    const TorqueSolution& found = std::get<TorqueSolution>(solved);
+    CHECK(dynamics_residual(robot, equations, found.w, found.torque) < 1e-10 * robot.weight());
+  }
+}
+
+TEST_CASE("every robot that stands on two feet is served by every method, and least torque is the least",
+          "[double_support]")
+{
+  oracle::Random random(416);
+  int answered = 0;
+  for (const Robot& robot : all_kinds_of_motors())
+    for (const Contact left : kLoaded)
+      for (const Contact right : kLoaded)
+      {
+        Support contacts{
+            {left, right}, random_side(random), oracle::uniform(random, 0.0, 1.0), oracle::uniform(random, 0.0, 1.0)};
+        if (check_contacts(robot, contacts))
+          continue;
+        for (int i = 0; i < kStates / 40; ++i)
+        {
+          CAPTURE(robot.name, name_of(left), name_of(right), i);
+          const State state = of_mechanism(robot, random_state(random, robot));
+          DesiredState desired{};
+          desired.base_given = !robot.fixed_root();
+          desired.support = contacts;
+          desired.q = state.q;
+          desired.v = state.v;
+          desired.a = state.a;
+          const auto equations = std::get<SupportEquations>(support_equations(robot, desired));
+          const AdmissibleReactions all = admissible_reactions(robot, equations, contacts);
+          for (const NamedMethod& known : kMethods)
+          {
+            CAPTURE(known.name);
+            const auto solved = solve_torques(robot, equations, contacts, known.method, {}, 1e-3);
+            if (const Refusal* refusal = std::get_if<Refusal>(&solved))
+            {
+              // a foot of a made-up robot may hang on no joint that an internal wrench could load
+              const Eigen::VectorXd sizes = Eigen::MatrixXd(all.T).jacobiSvd().singularValues();
+              CHECK(refusal->reason() == Reason::numerical);
+              CHECK((all.T.rows() < all.T.cols() || sizes.minCoeff() < 1e-8 * sizes.maxCoeff()));
+              continue;
+            }
+            const TorqueSolution& found = std::get<TorqueSolution>(solved);
+            ++answered;
+            const double unit = 1.0 + std::max(found.w.cwiseAbs().maxCoeff(), equations.r.cwiseAbs().maxCoeff());
+            CHECK(dynamics_residual(robot, equations, found.w, found.torque) < 1e-9 * unit);
+            if (known.method != Method::internal_wrench && known.method != Method::torso_wrench)
+              continue;
+            // its gradient along what (2) leaves free vanishes
+            const Eigen::VectorXd slope = all.T.transpose() * found.torque;
+            CHECK(slope.cwiseAbs().maxCoeff() < 1e-8 * unit * all.T.cwiseAbs().maxCoeff());
+          }
+        }
+      }
+  CHECK(answered > 1000);
+}

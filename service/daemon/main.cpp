@@ -52,9 +52,8 @@ std::optional<Config> configure(int argc, char** argv)
                              fmt::join(shipped_robot_names(), ", ")))
       ->type_name("NAME|FILE");
   app.add_option("--config", file, "a TOML file that sets what flags do not")->type_name("FILE");
-  app.add_option(
-         "--method", method,
-         fmt::format("how double support is resolved: {}; default: zmp-transition", fmt::join(methods, ", ")))
+  app.add_option("--method", method,
+                 fmt::format("how double support is resolved: {}; default: zmp-transition", fmt::join(methods, ", ")))
       ->type_name("NAME");
   app.add_option("--lcm-url", lcm_url, "the bus; default: LCM_DEFAULT_URL, or LCM's own default")->type_name("URL");
   app.add_option("--prefix", prefix, "stands before each channel's name")->type_name("TEXT");

@@ -64,7 +64,7 @@ enum class QuadraticProgramStatus
 {
   optimal,
   infeasible, ///< no y meets all hard rows
-  not_solved  ///< H is not positive definite, or more steps than kMaxSteps
+  not_solved  ///< H is not positive definite, a number is not finite, or kKktTolerance or kMaxSteps were passed
 };
 
 struct QuadraticProgramSolution

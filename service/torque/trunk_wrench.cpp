@@ -10,6 +10,9 @@ namespace torqued
 namespace
 {
 
+// An internal wrench that needs less torque than this, over the most that one of its size can need, needs none.
+constexpr double kIndependent = 1e-9;
+
 // row (f_x, f_z, m) of a wrench's moment about the point at r from where m is taken
 Eigen::RowVector3d moment_about(const Eigen::Vector2d& r)
 {
@@ -151,8 +154,7 @@ Result<CarriedTrunk> least_torque(const Robot& robot, const SupportEquations& eq
     }
   }
 
-  // with W = L Lᵀ and Lᵀ B1 = Q R: P = R⁻¹ R⁻ᵀ and P B1ᵀ W b1 = R⁻¹ Qᵀ Lᵀ b1; moments in N × leg length, so that the
-  // columns compare
+  // moments in N × leg length, so that the columns compare; W = L Lᵀ goes into B1 and b1
   const Eigen::Vector3d unit(1.0, 1.0, robot.leg_length);
   B1 = B1 * unit.asDiagonal();
   a1 = unit.asDiagonal() * a1;
@@ -162,27 +164,32 @@ Result<CarriedTrunk> least_torque(const Robot& robot, const SupportEquations& eq
     B1 = W.matrixU() * B1;
     b1 = W.matrixU() * b1;
   }
-  const Eigen::ColPivHouseholderQR<Bounded<kMaxJoints, 3>> QR(B1);
-  if (const double least = std::abs(QR.matrixR()(2, 2) / QR.matrixR()(0, 0)); !(least > 1e-9))
-    return Refusal(Reason::numerical,
-                   "an internal wrench between the feet needs no torque here (both legs straight, parallel and at one "
-                   "place), so that the least torque does not determine the ground reactions; the smallest of the "
-                   "torques it needs is {:.3g} of the largest, and 1e-9 would be enough",
-                   least);
-  // both in the pivots' order
-  const Eigen::Matrix3d R = QR.matrixR().topRows<3>().triangularView<Eigen::Upper>();
-  const auto triangle = R.triangularView<Eigen::Upper>();
-  const Eigen::Vector3d Qb1 = (QR.householderQ().adjoint() * b1).head<3>();
-  Eigen::Vector3d eta = Qb1;
-  if (a2.size() > 0)
+
+  // (69) without P, which needs B1 to have full rank even where the moments at heel and toe leave no use for it: with
+  // a1 = Y R and N what is orthogonal to it, η = −Y R⁻ᵀ a2 + N z meets them for every z
+  const Eigen::Index conditions = a2.size();
+  Eigen::Matrix3d YN = Eigen::Matrix3d::Identity();
+  Eigen::Vector3d eta = Eigen::Vector3d::Zero();
+  if (conditions > 0)
   {
-    const Bounded<3, 2> pivoted = QR.colsPermutation().transpose() * a1;
-    const Bounded<3, 2> Ra1 = triangle.transpose().solve(pivoted);
-    const Bounded<2, 2> a1Pa1 = Ra1.transpose() * Ra1;
-    const BoundedVector<2> theta = a1Pa1.llt().solve(a2 - Ra1.transpose() * Qb1);
-    eta += Ra1 * theta;
+    const Eigen::HouseholderQR<Bounded<3, 2>> QR(a1);
+    YN = QR.householderQ();
+    const Bounded<2, 2> R = QR.matrixQR().topRows(conditions);
+    const BoundedVector<2> along = R.triangularView<Eigen::Upper>().transpose().solve(a2);
+    eta = -YN.leftCols(conditions) * along;
   }
-  eta = -unit.cwiseProduct(Eigen::Vector3d(QR.colsPermutation() * Eigen::Vector3d(triangle.solve(eta))));
+  const Bounded<3, 3> N = YN.rightCols(3 - conditions);
+  const Bounded<kMaxJoints, 3> B1N = B1 * N;
+  const Eigen::ColPivHouseholderQR<Bounded<kMaxJoints, 3>> QR(B1N);
+  const bool determined = B1N.rows() >= B1N.cols() && std::abs(QR.matrixR()(B1N.cols() - 1, B1N.cols() - 1)) >
+                                                          kIndependent * B1.cwiseAbs().maxCoeff();
+  if (!determined)
+    return Refusal(Reason::numerical,
+                   "an internal wrench between the feet needs no torque here, as when both legs are straight, parallel "
+                   "and at one place, so that the least torque does not determine the ground reactions");
+  const VectorJ rest = b1 + B1 * eta;
+  const BoundedVector<3> z = QR.solve(rest);
+  eta = unit.cwiseProduct(Eigen::Vector3d(eta - N * z));
   return CarriedTrunk{
       legs.trunk, eta, settings.sigma, {on_the_ground(equations, support, legs, settings.sigma * legs.trunk + eta)}};
 }

@@ -41,8 +41,8 @@ struct CarriedTrunk
   Reactions reactions;
 };
 
-/// Refuses: numerical where B1 loses rank, because an internal wrench needs no torque (both legs straight, parallel,
-/// and feet at one place).
+/// Refuses: numerical where an internal wrench needs no torque (both legs straight, parallel, and feet at one place),
+/// or where two contact points are one.
 Result<CarriedTrunk> least_torque(const Robot& robot, const SupportEquations& equations, const Support& support,
                                   const InternalWrench& settings);
 
