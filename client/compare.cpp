@@ -221,7 +221,7 @@ Subcommand add_compare(CLI::App& torquectl)
   app->footer(
       "Methods that samples ask for are not heeded. Where contacts change, a jump is the difference between two\n"
       "samples, so it is exact where both show the same instant, as in a walk of torquectl gait.\n\n"
-      "Example, in the source directory:\n"
+      "Example:\n"
       "  torquectl gait --robot ck -o /tmp/walk.csv && torquectl compare /tmp/walk.csv --robot ck");
   return {app, [options]
           {

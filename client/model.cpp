@@ -160,8 +160,9 @@ void print_feet(const Robot& robot)
              "heel", "toe", "friction");
   for (const Foot& foot : robot.feet)
     if (foot.exists())
-      fmt::print("  {:<6} {:<16} {:<20} {:<20} {:<20} {:g}{}\n", name_of(foot.side), link_name(robot, foot.link),
+      fmt::print("  {:<6} {:<16} {:<20} {:<20} {:<20} {:g}{}{}\n", name_of(foot.side), link_name(robot, foot.link),
                  point(foot.ankle_at), point(foot.heel_at), point(foot.toe_at), foot.friction,
+                 foot.f_min > 0.0 ? fmt::format("  (at least {:g} N by constrained)", foot.f_min) : "",
                  robot.is_root(foot) ? "  (fixed to the world: always on its sole)"
                  : foot.has_extent() ? ""
                                      : "  (no extent: cannot stand on a sole)");

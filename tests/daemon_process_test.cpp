@@ -159,7 +159,7 @@ TEST_CASE("each kind of bad sample gives one rejection with its reason, and the 
          rejection_t::WRONG_SIZE},
         {[&](auto& d, auto& b) { d.a[6] = NAN, encoded(d, b); }, rejection_t::NOT_FINITE},
         {[&](auto& d, auto& b) { d.left_contact = 4, encoded(d, b); }, rejection_t::OUT_OF_RANGE},
-        {[&](auto& d, auto& b) { d.method = desired_state_t::CONSTRAINED, encoded(d, b); },
+        {[&](auto& d, auto& b) { d.method = desired_state_t::HUMAN_TRANSITION, encoded(d, b); },
          rejection_t::UNKNOWN_METHOD},
         {[&](auto& d, auto& b) { d.model_id ^= 1, encoded(d, b); }, rejection_t::WRONG_MODEL},
         {[&](auto& d, auto& b)

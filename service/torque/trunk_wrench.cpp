@@ -165,7 +165,7 @@ Result<CarriedTrunk> least_torque(const Robot& robot, const SupportEquations& eq
     b1 = W.matrixU() * b1;
   }
 
-  // (69) without P, which needs B1 to have full rank even where the moments at heel and toe leave no use for it: with
+  // (67) without P, which needs B1 to have full rank even where the moments at heel and toe leave no use for it: with
   // a1 = Y R and N what is orthogonal to it, η = −Y R⁻ᵀ a2 + N z meets them for every z
   const Eigen::Index conditions = a2.size();
   Eigen::Matrix3d YN = Eigen::Matrix3d::Identity();

@@ -2,7 +2,7 @@
 ///
 /// The trailing leg carries f_T1 of the trunk's net wrench f*, the leading leg f_T2:
 ///
-///   f_T1 + f_T2 = f*,   f_T1 = σ f* + η,   f_T2 = (1 − σ) f* − η                                     (61) to (63)
+///   f_T1 + f_T2 = f*,   f_T1 = σ f* + η,   f_T2 = (1 − σ) f* − η                                        (61), (62)
 ///
 /// η: the internal wrench. All are (f_x, f_z, moment about the origin of the trunk's frame), world frame, N and N m; f*
 /// is the rate of momentum of the trunk and of what hangs on it, weight included. What stands on the ground under a leg
@@ -12,7 +12,7 @@
 ///
 /// so torques and the moments about heels or toes, which must vanish, are affine in η:
 ///
-///   τ = B1 η + b1(σ),   a1ᵀ η + a2(σ) = 0: one row for each heel or toe                               (64) to (68)
+///   τ = B1 η + b1(σ),   a1ᵀ η + a2(σ) = 0: one row for each heel or toe                                  (63), (64)
 #pragma once
 
 #include "torque/linear_transition.h"
@@ -20,9 +20,10 @@
 namespace torqued
 {
 
-/// Procedures 1 and 2: the least ½ τᵀ W τ that the equations allow, no condition of a contact or a motor respected.
+/// Procedures 1 and 2: the least ½ τᵀ W τ, (65), that the equations allow; no condition of a contact or a motor is
+/// respected.
 ///
-///   η = −P B1ᵀ W b1 − P a1 θ,   θ = (a1ᵀ P a1)⁻¹ (a2 − a1ᵀ P B1ᵀ W b1),   P = (B1ᵀ W B1)⁻¹                     (69)
+///   η = −P B1ᵀ W b1 − P a1 θ,   θ = (a1ᵀ P a1)⁻¹ (a2 − a1ᵀ P B1ᵀ W b1),   P = (B1ᵀ W B1)⁻¹               (67), (68)
 ///
 /// Procedure 2, (70), is σ = 0: f_T1 itself is sought. σ shows in η, not in torques or reactions: η + σ f* is the same
 /// for all. In the paper's (70) b1 and a2 keep a shift by σ f*.
