@@ -219,7 +219,7 @@ void Gait::place_leg(Side side, const FootMotion& foot, double t, DesiredState& 
                     t, name_of(side), target.norm(), shortest, longest,
                     target.norm() >= longest ? "a lower --hip-height or a shorter --step-length would do"
                                              : "a higher --hip-height or less --clearance would do"));
-  for (int i = 0; i < 60; ++i)
+  for (int i = 0; i < 20; ++i) // Newton does the rest
   {
     const double middle = 0.5 * (straight + bent);
     (reach(middle).norm() > target.norm() ? straight : bent) = middle;
@@ -334,7 +334,7 @@ double Gait::wished_zmp(double t, const GaitPhase& phase) const
 // it in x. What the whole robot then does with its zero-moment point is corrected by the same rule, until it settles.
 void Gait::find_hip_motion()
 {
-  constexpr int samples = 120, harmonics = 20, rounds = 25;
+  constexpr int samples = 120, harmonics = 20, rounds = 12;
   const double T = options_.step_time, L = options_.step_length;
   const double omega = 2.0 * std::numbers::pi / T;
   const double omega0_squared = robot_.mechanism.gravity() / options_.hip_height;
