@@ -1,13 +1,18 @@
-#include "client/answer_table.h"
+#include "client/files.h"
+#include "client/measured.h"
 #include "client/offline.h"
 #include "client/subcommands.h"
 
 #include <CLI/CLI.hpp>
 
 #include <algorithm>
+#include <cmath>
 #include <fmt/format.h>
-#include <fmt/ranges.h>
+#include <functional>
+#include <map>
 #include <memory>
+#include <nlohmann/json.hpp>
+#include <optional>
 #include <vector>
 
 namespace torqued
@@ -15,6 +20,14 @@ namespace torqued
 
 namespace
 {
+
+using Json = nlohmann::ordered_json;
+
+struct Options
+{
+  OfflineOptions offline;
+  std::string json;
+};
 
 // What feet do together, by a short name.
 std::string_view phase_name(const Support& support)
@@ -33,10 +46,11 @@ std::string_view phase_name(const Support& support)
 struct Outcome
 {
   std::string method;
-  std::vector<double> jumps; // N m, of each kind of change
-  double peak = 0.0;         // N m
-  double effort = 0.0;       // ∫ Σ τ² dt, N² m² s
-  int answered = 0, rejected = 0;
+  std::vector<std::optional<Answer>> answers; // by sample
+  std::vector<double> jumps;                  // N m, of each kind of change
+  double peak = 0.0;                          // N m
+  double effort = 0.0;                        // ∫ Σ τ² dt, N² m² s
+  int answered = 0;
   int double_support = 0, held = 0, relaxed = 0; // answered samples: all; no foot slips, lifts or tips; RELAXED
 };
 
@@ -66,43 +80,49 @@ Changes find_changes(const std::vector<DesiredState>& states)
   return changes;
 }
 
-Outcome run(const Robot& robot, const AnswerSettings& settings, const std::vector<DesiredState>& states,
-            const Changes& changes, std::string name)
+std::vector<std::optional<Answer>> answer_all(const Robot& robot, const AnswerSettings& settings,
+                                              const std::vector<DesiredState>& states)
 {
-  Outcome outcome{std::move(name), std::vector<double>(changes.kinds.size(), 0.0)};
+  std::vector<std::optional<Answer>> answers;
   StreamMemory memory;
-  VectorJ before;
-  bool follows = false;
-  for (std::size_t i = 0; i < states.size(); ++i)
+  for (DesiredState desired : states)
   {
-    DesiredState desired = states[i];
     desired.method = settings.methods.method;
     const Result<Answer> result = answer(robot, settings, desired, memory);
     const Answer* found = std::get_if<Answer>(&result);
+    answers.push_back(found ? std::optional(*found) : std::nullopt);
+  }
+  return answers;
+}
+
+Outcome run(const Robot& robot, const AnswerSettings& settings, const std::vector<DesiredState>& states,
+            const Changes& changes, std::string name)
+{
+  Outcome outcome{.method = std::move(name),
+                  .answers = answer_all(robot, settings, states),
+                  .jumps = std::vector<double>(changes.kinds.size(), 0.0)};
+  for (std::size_t i = 0; i < states.size(); ++i)
+  {
+    const std::optional<Answer>& found = outcome.answers[i];
     if (!found)
-    {
-      ++outcome.rejected;
-      follows = false;
       continue;
-    }
     ++outcome.answered;
     outcome.peak = std::max(outcome.peak, found->torque.cwiseAbs().maxCoeff());
-    if (follows)
+    if (i > 0 && outcome.answers[i - 1])
     {
+      const VectorJ& before = outcome.answers[i - 1]->torque;
       const double dt = 1e-6 * static_cast<double>(states[i].utime - states[i - 1].utime);
       outcome.effort += 0.5 * dt * (found->torque.squaredNorm() + before.squaredNorm());
       if (const int kind = changes.at[i]; kind >= 0)
         outcome.jumps[static_cast<std::size_t>(kind)] =
             std::max(outcome.jumps[static_cast<std::size_t>(kind)], (found->torque - before).cwiseAbs().maxCoeff());
     }
-    if (desired.support.redundancy() > 0)
+    if (states[i].support.redundancy() > 0)
     {
       ++outcome.double_support;
       outcome.held += (found->flags & (flag::slips | flag::lifts | flag::tips)) == 0 ? 1 : 0;
       outcome.relaxed += (found->flags & flag::relaxed) != 0 ? 1 : 0;
     }
-    before = found->torque;
-    follows = true;
   }
   return outcome;
 }
@@ -148,9 +168,180 @@ void print(const std::vector<std::vector<std::string>>& rows)
   }
 }
 
-ExitCode compare(const OfflineOptions& options)
+// the part of a motion over which answers are compared with measurements
+struct Part
 {
-  const auto [config, robot, trajectory] = read_offline_input(options);
+  const char* key;
+  const char* name;
+  std::vector<bool> chosen; // by sample
+};
+
+std::vector<double> values(const Channel& channel, const std::vector<std::optional<Answer>>& answers)
+{
+  std::vector<double> result;
+  for (const std::optional<Answer>& answer : answers)
+    result.push_back(answer ? channel.of(*answer) : NAN);
+  return result;
+}
+
+// Rows of a table: what is compared, as a name and its values for a channel.
+struct Compared
+{
+  std::string name;
+  std::function<std::vector<double>(const Channel&)> values;
+};
+
+// the mean of both feet's agreement, for channels of one kind
+std::string agreement_cell(const std::vector<const Channel*>& channels, const Compared& compared, const Part& part)
+{
+  const auto n = static_cast<double>(channels.size());
+  Agreement mean;
+  for (const Channel* channel : channels)
+  {
+    const Agreement one = agreement(*channel, compared.values(*channel), part.chosen);
+    mean.rms += one.rms / n;
+    mean.of_range += one.of_range / n;
+    mean.correlation += one.correlation / n;
+  }
+  if (std::isnan(mean.of_range))
+    return "-";
+  return fmt::format("{:.1f}, {:.1f} %, {}", mean.rms, 100.0 * mean.of_range,
+                     std::isnan(mean.correlation) ? "-" : fmt::format("{:.2f}", mean.correlation));
+}
+
+void print_agreement(const std::vector<Channel>& channels, bool published, const std::vector<Compared>& all,
+                     const Part& part)
+{
+  std::vector<std::string> kinds;
+  std::map<std::string, std::vector<const Channel*>> by_kind;
+  for (const Channel& channel : channels)
+    if (channel.published == published)
+    {
+      if (by_kind[channel.kind].empty())
+        kinds.push_back(channel.kind);
+      by_kind[channel.kind].push_back(&channel);
+    }
+  if (kinds.empty())
+    return;
+  std::vector<std::vector<std::string>> table{{"method"}};
+  for (const std::string& kind : kinds)
+    table[0].push_back(kind);
+  for (const Compared& compared : all)
+  {
+    table.push_back({compared.name});
+    for (const std::string& kind : kinds)
+      table.back().push_back(agreement_cell(by_kind[kind], compared, part));
+  }
+  fmt::print("\nagainst {}, {}\n\n", published ? "the published joint moments" : "the force plates", part.name);
+  print(table);
+}
+
+void print_agreements(const std::vector<Channel>& channels, const std::vector<Outcome>& outcomes,
+                      const std::vector<Part>& parts)
+{
+  if (channels.empty())
+    return;
+  std::vector<Compared> methods;
+  for (const Outcome& outcome : outcomes)
+    methods.push_back({outcome.method, [&outcome](const Channel& channel)
+                       {
+                         return values(channel, outcome.answers);
+                       }});
+  std::vector<Compared> plates_first = methods;
+  const auto from_plates = [&channels](int joint)
+  {
+    return std::find_if(channels.begin(), channels.end(),
+                        [joint](const Channel& c) { return !c.published && c.joint == joint; });
+  };
+  if (from_plates(0) != channels.end())
+    plates_first.insert(plates_first.begin(), {"from the plates", [from_plates](const Channel& channel)
+                                               {
+                                                 return from_plates(channel.joint)->values;
+                                               }});
+  for (const bool published : {false, true})
+    for (const Part& part : parts)
+      print_agreement(channels, published, published ? plates_first : methods, part);
+  fmt::print(
+      "\nrms of the difference (N, N m), its share of the measured range in the whole file, correlation; mean of "
+      "both feet. Moments from the\nplates: inverse dynamics of this robot, bottom-up from the measured "
+      "wrenches.\n");
+}
+
+// NaN is null
+Json json(const Agreement& agreement)
+{
+  return {{"samples", agreement.samples},
+          {"rms", agreement.rms},
+          {"of_range", agreement.of_range},
+          {"correlation", agreement.correlation}};
+}
+
+void write_json(const std::string& path, const Robot& robot, const std::vector<DesiredState>& states,
+                const Changes& changes, const std::vector<Outcome>& outcomes, const std::vector<Channel>& channels,
+                const std::vector<Part>& parts)
+{
+  Json methods = Json::array();
+  for (const Outcome& outcome : outcomes)
+  {
+    Json jumps = Json::object();
+    for (std::size_t kind = 0; kind < changes.kinds.size(); ++kind)
+      jumps[changes.kinds[kind]] = outcome.jumps[kind];
+    Json agreements = Json::array();
+    for (const Channel& channel : channels)
+    {
+      agreements.push_back({{"channel", channel.name},
+                            {"against", channel.published ? "published" : "plates"},
+                            {"unit", channel.unit},
+                            {"range", channel.range()}});
+      for (const Part& part : parts)
+        agreements.back()[part.key] = json(agreement(channel, values(channel, outcome.answers), part.chosen));
+    }
+    methods.push_back({{"method", outcome.method},
+                       {"answered", outcome.answered},
+                       {"jumps", std::move(jumps)},
+                       {"peak", outcome.peak},
+                       {"effort", outcome.effort},
+                       {"double_support", outcome.double_support},
+                       {"held", outcome.held},
+                       {"relaxed", outcome.relaxed},
+                       {"measured", std::move(agreements)}});
+  }
+  OutputFile out(path);
+  out.write(Json{{"robot", robot.name}, {"samples", states.size()}, {"methods", std::move(methods)}}.dump(1) + "\n");
+  out.close();
+}
+
+void print_outcomes(const Changes& changes, const std::vector<Outcome>& outcomes)
+{
+  std::vector<std::vector<std::string>> rows{{"method"}};
+  for (const std::string& kind : changes.kinds)
+    rows[0].push_back(kind);
+  for (const char* column : {"peak", "∫τ²dt", "contacts held", "relaxed"})
+    rows[0].emplace_back(column);
+  for (const Outcome& outcome : outcomes)
+  {
+    std::vector<std::string>& row = rows.emplace_back();
+    row.push_back(outcome.method);
+    for (const double torque : outcome.jumps)
+      row.push_back(outcome.answered > 0 ? jump(torque) : "-");
+    row.push_back(outcome.answered > 0 ? fmt::format("{:.1f}", outcome.peak) : "-");
+    row.push_back(outcome.answered > 0 ? fmt::format("{:.0f}", outcome.effort) : "-");
+    row.push_back(share(outcome.held, outcome.double_support));
+    row.push_back(share(outcome.relaxed, outcome.double_support));
+  }
+  print(rows);
+  fmt::print(
+      "\nlargest jump of a torque where contacts change, N m, 0 below 1e-6, between samples up to {} µs apart; "
+      "largest torque, N m;\nsum over the motors, N² m² s; share of double support in which no foot slips, lifts "
+      "or tips; in which conditions gave way\n",
+      changes.longest);
+}
+
+ExitCode compare(const Options& options)
+{
+  if (!options.json.empty())
+    require_other_file(options.offline.file, options.json);
+  const auto [config, robot, trajectory] = read_offline_input(options.offline);
   std::vector<DesiredState> states;
   std::vector<std::byte> buffer;
   for (std::size_t i = 0; i < trajectory.states.size(); ++i)
@@ -160,6 +351,8 @@ ExitCode compare(const OfflineOptions& options)
       throw Failure(ExitCode::bad_data, fmt::format("{}: {}", trajectory.place(i), refusal->detail()));
     states.push_back(std::get<DesiredState>(desired));
   }
+  const std::vector<Channel> channels =
+      read_channels(read_file(options.offline.file), options.offline.file, robot, states);
   const Changes changes = find_changes(states);
 
   flush_denormals();
@@ -177,35 +370,25 @@ ExitCode compare(const OfflineOptions& options)
     outcomes.push_back(run(robot, settings, states, changes, std::string(known.name)));
   }
 
-  std::vector<std::vector<std::string>> rows{{"method"}};
-  for (const std::string& kind : changes.kinds)
-    rows[0].push_back(kind);
-  for (const char* column : {"peak", "∫τ²dt", "contacts held", "relaxed"})
-    rows[0].emplace_back(column);
-  for (const Outcome& outcome : outcomes)
+  std::vector<Part> parts{{"double_support", "in double support", {}},
+                          {"whole", "over the whole motion", std::vector<bool>(states.size(), true)}};
+  for (const DesiredState& state : states)
+    parts[0].chosen.push_back(state.support.of(Side::left) != Contact::none &&
+                              state.support.of(Side::right) != Contact::none);
+
+  if (options.json != "-")
   {
-    std::vector<std::string>& row = rows.emplace_back();
-    row.push_back(outcome.method);
-    for (const double torque : outcome.jumps)
-      row.push_back(outcome.answered > 0 ? jump(torque) : "-");
-    row.push_back(outcome.answered > 0 ? fmt::format("{:.1f}", outcome.peak) : "-");
-    row.push_back(outcome.answered > 0 ? fmt::format("{:.0f}", outcome.effort) : "-");
-    row.push_back(share(outcome.held, outcome.double_support));
-    row.push_back(share(outcome.relaxed, outcome.double_support));
+    const auto in_double_support = std::count(parts[0].chosen.begin(), parts[0].chosen.end(), true);
+    fmt::print("{}: {} samples, {} of them in double support\n\n", robot.name, states.size(), in_double_support);
+    print_outcomes(changes, outcomes);
+    print_agreements(channels, outcomes, parts);
   }
-  const auto in_double_support =
-      std::count_if(states.begin(), states.end(), [](const DesiredState& s) { return s.support.redundancy() > 0; });
-  fmt::print("{}: {} samples, {} of them in double support\n\n", robot.name, states.size(), in_double_support);
-  print(rows);
-  fmt::print(
-      "\nlargest jump of a torque where contacts change, N m, 0 below 1e-6, between samples up to {} µs apart; "
-      "largest torque, N m;\nsum over the motors, N² m² s; share of double support in which no foot slips, lifts "
-      "or tips; in which conditions gave way\n",
-      changes.longest);
+  if (!options.json.empty())
+    write_json(options.json, robot, states, changes, outcomes, channels, parts);
   for (const Outcome& outcome : outcomes)
-    if (outcome.rejected > 0)
+    if (outcome.answered < static_cast<int>(states.size()))
       note(fmt::format("{}: {} of {} samples were not answered; torquectl eval --method says why", outcome.method,
-                       outcome.rejected, states.size()));
+                       states.size() - static_cast<std::size_t>(outcome.answered), states.size()));
   return ExitCode::done;
 }
 
@@ -213,16 +396,22 @@ ExitCode compare(const OfflineOptions& options)
 
 Subcommand add_compare(CLI::App& torquectl)
 {
-  const auto options = std::make_shared<OfflineOptions>();
-  CLI::App* app = torquectl.add_subcommand("compare", "what every method of double support makes of a motion");
-  add_offline_options(*app, *options, "");
-  app->add_option("--config", options->config, "the daemon's configuration file: weights and limits")
+  const auto options = std::make_shared<Options>();
+  CLI::App* app = torquectl.add_subcommand(
+      "compare", "what every method of double support makes of a motion, and how that agrees with measurements");
+  add_offline_options(*app, options->offline, "");
+  app->add_option("--config", options->offline.config, "the daemon's configuration file: weights and limits")
       ->type_name("FILE");
+  app->add_option("--json", options->json, "all numbers, foot by foot, as JSON; - for the terminal, instead of tables")
+      ->type_name("OUT");
   app->footer(
       "Methods that samples ask for are not heeded. Where contacts change, a jump is the difference between two\n"
       "samples, so it is exact where both show the same instant, as in a walk of torquectl gait.\n\n"
-      "Example:\n"
-      "  torquectl gait --robot ck -o /tmp/walk.csv && torquectl compare /tmp/walk.csv --robot ck");
+      "A CSV may hold what was measured along the motion: FxL, FzL, ML, FxR, FzR, MR (force plates: N, and N m about\n"
+      "the ankles) and joint moments by others, pub_ankleL and so on, positive from the proximal on the distal\n"
+      "segment. Nothing or nan where there is none.\n\n"
+      "Example, in the source directory:\n"
+      "  torquectl compare client/trajectories/subject01-walk/walk.csv --robot human-subject01");
   return {app, [options]
           {
             return compare(*options);

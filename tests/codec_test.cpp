@@ -208,8 +208,6 @@ TEST_CASE("a field out of its range is refused by name", "[codec]")
       {[](auto& m) { m.method = 10; }, Reason::unknown_method,
        "method is 10; expected DEFAULT (0), PSEUDO_INVERSE (1), LINEAR_TRANSITION (2), "},
       {[](auto& m) { m.method = -1; }, Reason::unknown_method, "method is -1; expected DEFAULT (0), "},
-      {[](auto& m) { m.method = desired_state_t::HUMAN_TRANSITION; }, Reason::unknown_method,
-       "method is 9; expected DEFAULT (0), "},
       {[](auto& m) { m.model_id = 5; }, Reason::wrong_model, "model_id is 5; expected"},
   };
   for (const Row& row : rows)

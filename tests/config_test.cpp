@@ -101,6 +101,11 @@ weights = [1e-3, 1e3]
 windows = false
 reference_weight = 0.01
 f_min = 20
+[human_transition]
+trailing_cop = 0.75
+leading_cop = 0.25
+time_weight = 1
+fade = 0.5
 )";
   for (const std::string& text : {std::string(), changed})
   {
@@ -125,6 +130,10 @@ f_min = 20
   CHECK_FALSE(methods.constrained.windows);
   CHECK(methods.constrained.reference_weight == 0.01);
   CHECK(methods.constrained.f_min == 20.0);
+  CHECK(methods.human_transition.trailing_cop == 0.75);
+  CHECK(methods.human_transition.leading_cop == 0.25);
+  CHECK(methods.human_transition.time_weight == 1.0);
+  CHECK(methods.human_transition.fade == 0.5);
   CHECK(to_toml(config) != to_toml(Config()));
 }
 
@@ -140,9 +149,9 @@ TEST_CASE("a bad configuration is refused with line, key and what would be right
         ":1: contact_tolerance: found -0.1; expected a number that is not negative");
   CHECK(complaint("consistency = \"clamp\"") == ":1: consistency: found \"clamp\"; expected one of: flag, refuse");
   CHECK(complaint("limits = \"never\"") == ":1: limits: found \"never\"; expected one of: flag, refuse, clamp");
-  CHECK(complaint("method = \"human-transition\"") ==
-        ":1: method: found \"human-transition\"; expected one of: pseudo-inverse, linear-transition, internal-wrench, "
-        "torso-wrench, tracked-reaction, tracked-internal, constrained, zmp-transition");
+  CHECK(complaint("method = \"human-shuffle\"") ==
+        ":1: method: found \"human-shuffle\"; expected one of: pseudo-inverse, linear-transition, internal-wrench, "
+        "torso-wrench, tracked-reaction, tracked-internal, constrained, zmp-transition, human-transition");
   CHECK(complaint("prefix = \"a.*\"") == ":1: prefix: found \"a.*\"; expected at most 32 letters, digits, _, - or /");
   CHECK(complaint("log_level = \"loud\"").starts_with(":1: log_level: found \"loud\"; expected one of: trace, debug,"));
   CHECK(complaint("[linear_transition]\ncop = 1.5") == ":2: linear_transition: cop: found 1.5; expected \"zmp\", or 0 "
@@ -176,6 +185,14 @@ TEST_CASE("a bad configuration is refused with line, key and what would be right
   CHECK(complaint("[constrained]\nf_min = \"some\"") == ":2: constrained: f_min: expected \"robot\", or a force in N");
   CHECK(complaint("[constrained]\nreference_weight = -1") ==
         ":2: constrained: reference_weight: found -1; expected a number that is not negative");
+  CHECK(complaint("[human_transition]\ntrailing_cop = 1.5") ==
+        ":2: human_transition: trailing_cop: found 1.5; expected 0 to 1");
+  CHECK(complaint("[human_transition]\nleading_cop = -0.1") ==
+        ":2: human_transition: leading_cop: found -0.1; expected 0 to 1");
+  CHECK(complaint("[human_transition]\ntime_weight = 2") ==
+        ":2: human_transition: time_weight: found 2; expected 0 to 1");
+  CHECK(complaint("[human_transition]\nfade = 0.6") == ":2: human_transition: fade: found 0.6; expected 0 to 0.5");
+  CHECK(complaint("[human_transition]\nshape = 1").starts_with(":2: human_transition: shape: is not known here"));
   CHECK(complaint("robot = ").starts_with(":1: not TOML: "));
   CHECK(complaint("max_age = 1e300").starts_with(":1: max_age: found 1e+300; expected a positive number of seconds"));
   CHECK(complaint("robot = \"a\\nb\"") == ":1: robot: found \"a?b\"; expected a text without control characters");
@@ -215,7 +232,11 @@ TEST_CASE("the settings id changes with every setting that changes answers, and 
                                   "[constrained]\nweights = [2]",
                                   "[constrained]\nwindows = false",
                                   "[constrained]\nreference_weight = 1",
-                                  "[constrained]\nf_min = 0"})
+                                  "[constrained]\nf_min = 0",
+                                  "[human_transition]\ntrailing_cop = 1",
+                                  "[human_transition]\nleading_cop = 0",
+                                  "[human_transition]\ntime_weight = 0",
+                                  "[human_transition]\nfade = 0"})
   {
     CAPTURE(other);
     CHECK(id(other) != plain);

@@ -110,6 +110,7 @@ void check_column(const std::function<Switch(int)>& draw, bool linear)
       else
         jumps_linear += now.jump(method) > kJump ? 1 : 0;
     CHECK(now.jump(Method::zmp_transition) < kContinuous);
+    CHECK(now.jump(Method::human_transition) < kContinuous);
     if (!linear)
     {
       CHECK_FALSE(now.before.solution(Method::zmp_transition).clamped);
@@ -225,7 +226,7 @@ TEST_CASE("from one sole over two to the other, torques are continuous at both e
     const Switch now{Case(biped, motion, alone.contact[0], alone.contact[1], leading, end, end),
                      Case(biped, motion, both.contact[0], both.contact[1], leading, end, end)};
     for (const Method method : {Method::linear_transition, Method::tracked_reaction, Method::tracked_internal,
-                                Method::zmp_transition, Method::constrained})
+                                Method::zmp_transition, Method::human_transition, Method::constrained})
     {
       CAPTURE(std::string(name_of(method)));
       CHECK(now.jump(method) < kContinuous);

@@ -453,7 +453,7 @@ TEST_CASE("what cannot be done ends with its exit code and one line", "[torquect
       {{"eval", kWalk, "-o", out, "--method", "x"},
        64,
        "--method: found \"x\"; expected one of: pseudo-inverse, linear-transition, internal-wrench, torso-wrench, "
-       "tracked-reaction, tracked-internal, constrained, zmp-transition"},
+       "tracked-reaction, tracked-internal, constrained, zmp-transition, human-transition"},
       {{"eval", kWalk, "-o", out, "--prefix", "a.*"},
        64,
        "--prefix: found \"a.*\"; expected at most 32 letters, digits, _, - or /"},

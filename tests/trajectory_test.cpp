@@ -215,7 +215,7 @@ TEST_CASE("a bad trajectory is refused with file, line, column, what was found a
   const std::string names = "time,p0,p1,dp0,dp1,ddp0,ddp1,contactL,contactR";
   const std::string good = "\n0,1,2,3,4,5,6,2,0";
   const std::string methods = "pseudo-inverse, linear-transition, internal-wrench, torso-wrench, tracked-reaction, "
-                              "tracked-internal, constrained, zmp-transition";
+                              "tracked-internal, constrained, zmp-transition, human-transition";
   const std::vector<Row> rows{
       {"", "t.csv: found no line that names columns; expected one such as time,q0,..."},
       {"# nothing but a comment\n\n", "t.csv: found no line that names columns; expected one such as time,q0,..."},

@@ -4,9 +4,12 @@
 
 #include "client/files.h"
 #include "client/lcm_log.h"
+#include "client/measured.h"
+#include "client/trajectory.h"
 #include "wire/codec.h"
 
 #include <algorithm>
+#include <nlohmann/json.hpp>
 
 using namespace torqued;
 
@@ -51,7 +54,8 @@ TEST_CASE("a walk through the daemon is answered sample for sample, and evaluate
 {
   const TemporaryFolder folder;
   const std::string log = folder.file("walk.lcm");
-  Process torqued({TORQUED, "--robot", "human-subject01", "--every-sample"}, folder.file("torqued"));
+  Process torqued({TORQUED, "--robot", "human-subject01", "--method", "human-transition", "--every-sample"},
+                  folder.file("torqued"));
   Process logger({"lcm-logger", "--force", log}, folder.file("logger"));
   const auto size = [](const std::string& file)
   {
@@ -80,7 +84,8 @@ TEST_CASE("a walk through the daemon is answered sample for sample, and evaluate
     REQUIRE(live[i].sequence == static_cast<std::int64_t>(i) + 1);
 
   const std::string again = folder.file("again.lcm");
-  const int evaluated = torquectl({"eval", log, "--robot", "human-subject01", "-o", again}, folder.file("eval"));
+  const int evaluated = torquectl(
+      {"eval", log, "--robot", "human-subject01", "--method", "human-transition", "-o", again}, folder.file("eval"));
   CAPTURE(read_file(folder.file("eval")));
   REQUIRE(evaluated == 0);
   const std::vector<torque_command_t> offline = commands(again);
@@ -89,6 +94,43 @@ TEST_CASE("a walk through the daemon is answered sample for sample, and evaluate
   {
     CAPTURE(i);
     CHECK(computed(live[i]) == computed(offline[i]));
+  }
+
+  // what came from the daemon agrees with the force plates as what torquectl compare computes: its answers are those
+  const std::string json = folder.file("compare.json");
+  REQUIRE(torquectl({"compare", kWalk, "--robot", "human-subject01", "--json", json}, folder.file("compare")) == 0);
+  const auto compared = nlohmann::json::parse(read_file(json));
+  const auto human = std::find_if(compared["methods"].begin(), compared["methods"].end(),
+                                  [](const auto& method) { return method["method"] == "human-transition"; });
+  REQUIRE(human != compared["methods"].end());
+  const Robot robot = load_robot("human-subject01");
+  const std::string text = read_file(kWalk);
+  const Trajectory walk = parse_trajectory(text, kWalk, coordinate_names(robot), false, Channels());
+  std::vector<DesiredState> states;
+  std::vector<bool> double_support;
+  std::vector<std::byte> buffer;
+  for (const desired_state_t& state : walk.states)
+  {
+    states.push_back(std::get<DesiredState>(decode_desired_state(encode(state, buffer), robot)));
+    double_support.push_back(state.left_contact != 0 && state.right_contact != 0);
+  }
+  const std::vector<Channel> channels = read_channels(text, kWalk, robot, states);
+  REQUIRE(channels.size() == 4 + 6 + 6);
+  for (std::size_t k = 0; k < channels.size(); ++k)
+  {
+    const Channel& channel = channels[k];
+    CAPTURE(channel.name, channel.published);
+    std::vector<double> values;
+    for (const torque_command_t& command : live)
+    {
+      const ground_reaction_t& foot = channel.side == Side::left ? command.left : command.right;
+      values.push_back(channel.component == 0   ? foot.fx
+                       : channel.component == 1 ? foot.fz
+                                                : command.torque[static_cast<std::size_t>(channel.joint)]);
+    }
+    const auto& told = (*human)["measured"][k];
+    CHECK(told["channel"] == channel.name);
+    CHECK(agreement(channel, values, double_support).rms == told["double_support"]["rms"]);
   }
 
   // the exported table has a row for each sample of the walk

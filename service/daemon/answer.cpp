@@ -113,6 +113,9 @@ std::int64_t settings_id(const AnswerSettings& settings)
   hash.add(static_cast<int>(methods.constrained.windows));
   hash.add(methods.constrained.reference_weight);
   hash.add(methods.constrained.f_min.value_or(-1.0));
+  for (const double number : {methods.human_transition.trailing_cop, methods.human_transition.leading_cop,
+                              methods.human_transition.time_weight, methods.human_transition.fade})
+    hash.add(number);
   hash.add(static_cast<int>(methods.relax));
   hash.add(static_cast<int>(settings.consistency));
   hash.add(settings.contact_speed_tolerance);

@@ -60,6 +60,14 @@ std::string read_plain(StrictTable& table, std::string_view key, const std::stri
   return value;
 }
 
+double read_share(StrictTable& table, std::string_view key, double fallback, double most)
+{
+  const double value = table.number(key, fallback);
+  if (!(value >= 0.0 && value <= most))
+    table.fail(key, fmt::format("found {}; expected 0 to {}", value, most));
+  return value;
+}
+
 // W of a method: [] for the unit matrix
 JointWeights read_weights(StrictTable& table)
 {
@@ -122,9 +130,7 @@ void read_methods(StrictTable& table, MethodSettings& methods)
   }
   if (auto settings = table.table("internal_wrench"))
   {
-    methods.internal_wrench.sigma = settings->number("sigma", methods.internal_wrench.sigma);
-    if (const double sigma = methods.internal_wrench.sigma; sigma < 0.0 || sigma > 1.0)
-      settings->fail("sigma", fmt::format("found {}; expected 0 to 1", sigma));
+    methods.internal_wrench.sigma = read_share(*settings, "sigma", methods.internal_wrench.sigma, 1.0);
     methods.internal_wrench.weights = read_weights(*settings);
     settings->finish();
   }
@@ -143,6 +149,15 @@ void read_methods(StrictTable& table, MethodSettings& methods)
       constrained.f_min = settings->magnitude("f_min");
     else if (settings->text("f_min", "robot") != "robot")
       settings->fail("f_min", "expected \"robot\", or a force in N");
+    settings->finish();
+  }
+  if (auto settings = table.table("human_transition"))
+  {
+    HumanTransition& human = methods.human_transition;
+    human.trailing_cop = read_share(*settings, "trailing_cop", human.trailing_cop, 1.0);
+    human.leading_cop = read_share(*settings, "leading_cop", human.leading_cop, 1.0);
+    human.time_weight = read_share(*settings, "time_weight", human.time_weight, 1.0);
+    human.fade = read_share(*settings, "fade", human.fade, 0.5);
     settings->finish();
   }
 }
@@ -286,6 +301,12 @@ weights = {}
 windows = {}  # bounds that close where contacts change, so that torques do not jump
 reference_weight = {}  # of the distance to zmp-transition's reactions, x leg length, beside that of the torques
 f_min = {}  # least normal force of a loaded foot, N; 'robot': as its file says
+
+[human_transition]
+trailing_cop = {}  # where the trailing sole presses, 0 (heel) to 1 (toe)
+leading_cop = {}  # and the leading one
+time_weight = {}  # 0 to 1: weight of load_transfer, against the lever rule, in the vertical share
+fade = {}  # 0 to 0.5: share of the double support in which each end passes into single support
 )",
                      quoted(config.robot), quoted(config.lcm_url), quoted(config.prefix), quoted(config.log_level),
                      config.every_sample, config.max_age, config.deadline, quoted(name_of(answers.methods.method)),
@@ -297,7 +318,9 @@ f_min = {}  # least normal force of a loaded foot, N; 'robot': as its file says
                      cop ? fmt::format("{}", *cop) : quoted("zmp"), methods.internal_wrench.sigma,
                      shown(methods.internal_wrench.weights), shown(methods.torso_wrench.weights),
                      shown(methods.constrained.weights), methods.constrained.windows,
-                     methods.constrained.reference_weight, f_min ? fmt::format("{}", *f_min) : quoted("robot"));
+                     methods.constrained.reference_weight, f_min ? fmt::format("{}", *f_min) : quoted("robot"),
+                     methods.human_transition.trailing_cop, methods.human_transition.leading_cop,
+                     methods.human_transition.time_weight, methods.human_transition.fade);
 }
 
 } // namespace torqued

@@ -111,12 +111,17 @@ double kinetic_energy(const Mechanism& mechanism, const Kinematics& now, const V
   return 0.5 * v.dot(mass_matrix(mechanism, now) * v);
 }
 
+Eigen::Vector2d centre_of_mass(const Mechanism& mechanism, const Kinematics& now)
+{
+  Eigen::Vector2d moment = mechanism.mass() * now.base;
+  for (int k = 0; k < mechanism.num_directions(); ++k)
+    moment += rotate(now.e.col(k), mechanism.moments().col(k));
+  return moment / mechanism.mass();
+}
+
 double potential_energy(const Mechanism& mechanism, const Kinematics& now)
 {
-  double moment = mechanism.mass() * now.base.y();
-  for (int k = 0; k < mechanism.num_directions(); ++k)
-    moment += rotate(now.e.col(k), mechanism.moments().col(k)).y();
-  return mechanism.gravity() * moment;
+  return mechanism.gravity() * mechanism.mass() * centre_of_mass(mechanism, now).y();
 }
 
 } // namespace torqued

@@ -46,6 +46,9 @@ VectorQ gravity_force(const Mechanism& mechanism, const Kinematics& now);
 /// ½ vᵀ M v, J.
 double kinetic_energy(const Mechanism& mechanism, const Kinematics& now, const VectorQ& v);
 
+/// Σ m p / m, of all bodies, in W, m. Requires: mass.
+Eigen::Vector2d centre_of_mass(const Mechanism& mechanism, const Kinematics& now);
+
 /// gravity · Σ m z, zero on the ground, J.
 double potential_energy(const Mechanism& mechanism, const Kinematics& now);
 

@@ -39,7 +39,8 @@ enum class Method : std::int8_t
   tracked_reaction = 5,
   tracked_internal = 6,
   constrained = 7,
-  zmp_transition = 8
+  zmp_transition = 8,
+  human_transition = 9
 };
 
 /// The two contacts, and how far the load has moved from the trailing to the leading foot.

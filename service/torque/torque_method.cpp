@@ -56,6 +56,7 @@ Result<Reactions> choose(const Robot& robot, const SupportEquations& equations, 
     return reactions_of(tracked_internal(robot, equations, support, settings.linear_transition));
   case Method::constrained: return constrained(robot, equations, support, all, settings.constrained, settings.relax);
   case Method::zmp_transition: return zmp_transition(robot, equations, support);
+  case Method::human_transition: return human_transition(robot, equations, support, settings.human_transition);
   case Method::none: break;
   }
   return Reactions{all.w0}; // nothing to choose

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "torque/constrained.h"
+#include "torque/human_transition.h"
 #include "torque/linear_transition.h"
 #include "torque/pseudo_inverse.h"
 #include "torque/trunk_wrench.h"
@@ -19,7 +20,7 @@ struct NamedMethod
   Method method;
   std::string_view name;
 };
-inline constexpr std::array<NamedMethod, 8> kMethods{{
+inline constexpr std::array<NamedMethod, 9> kMethods{{
     {Method::pseudo_inverse, "pseudo-inverse"},
     {Method::linear_transition, "linear-transition"},
     {Method::internal_wrench, "internal-wrench"},
@@ -28,11 +29,12 @@ inline constexpr std::array<NamedMethod, 8> kMethods{{
     {Method::tracked_internal, "tracked-internal"},
     {Method::constrained, "constrained"},
     {Method::zmp_transition, "zmp-transition"},
+    {Method::human_transition, "human-transition"},
 }};
 /// The same for a complaint about a desired state.
 inline constexpr std::string_view kMethodChoices =
     "DEFAULT (0), PSEUDO_INVERSE (1), LINEAR_TRANSITION (2), INTERNAL_WRENCH (3), TORSO_WRENCH (4), TRACKED_REACTION "
-    "(5), TRACKED_INTERNAL (6), CONSTRAINED (7) or ZMP_TRANSITION (8)";
+    "(5), TRACKED_INTERNAL (6), CONSTRAINED (7), ZMP_TRANSITION (8) or HUMAN_TRANSITION (9)";
 /// A method's name; "none" for Method::none and for any number that is no method.
 std::string_view name_of(Method method);
 
@@ -45,6 +47,7 @@ struct MethodSettings
   InternalWrench internal_wrench;
   InternalWrench torso_wrench{.sigma = 0.0, .weights = {}};
   Constrained constrained;
+  HumanTransition human_transition;
   bool relax = true; ///< constrained: conditions that cannot be met are violated as little as can be; else refused
 };
 
