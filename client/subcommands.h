@@ -31,6 +31,7 @@ Subcommand add_compare(CLI::App& torquectl);
 Subcommand add_dynamics(CLI::App& torquectl);
 Subcommand add_wrenches(CLI::App& torquectl);
 Subcommand add_gait(CLI::App& torquectl);
+Subcommand add_project(CLI::App& torquectl);
 Subcommand add_export(CLI::App& torquectl);
 Subcommand add_model(CLI::App& torquectl);
 

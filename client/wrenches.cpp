@@ -44,7 +44,8 @@ std::vector<std::string> columns(const Robot& robot)
   return names;
 }
 
-// one answered sample: the wrenches of all joints under the ground reactions of the answer
+// one answered sample, the motion that was answered: the wrenches of all joints under the ground reactions of the
+// answer
 std::vector<std::string> cells(const Robot& robot, const DesiredState& desired, const Answer& answer)
 {
   const Motion motion = std::get<Motion>(complete_motion(robot, desired));
@@ -111,7 +112,9 @@ ExitCode wrenches(const OfflineOptions& options)
     {
       const Answer& found = std::get<Answer>(answered);
       tally.answer(found.flags);
-      out.write(csv_line(cells(robot, std::get<DesiredState>(desired), found)));
+      out.write(csv_line(
+          cells(robot, std::get<DesiredState>(answered_motion(robot, config.answers, std::get<DesiredState>(desired))),
+                found)));
     }
   }
   out.close();

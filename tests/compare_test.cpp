@@ -198,6 +198,12 @@ TEST_CASE("torquectl compare tells rms, share of range and correlation as they a
   CHECK(count > 400);
   CHECK(std::sqrt(squares / count) < 5.0); // the foot's own weight and inertia: 1.5 kg
 
+  for (const char* joint : {"left_ankle", "left_knee", "left_hip", "right_ankle", "right_knee", "right_hip"})
+  {
+    CAPTURE(joint);
+    CHECK(channels.at(std::string("published ") + joint)["whole"]["correlation"].get<double>() > 0.8);
+  }
+
   // only JSON where it is to go to the terminal
   const Run only = run({"compare", kWalk, "--robot", "human-subject01", "--json", "-"});
   CHECK(nlohmann::json::parse(only.out) == told);

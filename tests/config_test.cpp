@@ -52,6 +52,7 @@ TEST_CASE("an empty configuration gives the documented defaults", "[config]")
   CHECK(config.answers.residual_tolerance == 1e-3);
   CHECK(config.answers.limits == OnExcess::flag);
   CHECK(config.answers.rate_limits == OnExcess::flag);
+  CHECK_FALSE(config.answers.project);
   const MethodSettings& methods = config.answers.methods;
   CHECK(methods.relax);
   CHECK(methods.pseudo_inverse.weights.size() == 0);
@@ -85,6 +86,7 @@ sole_tilt_tolerance = 0
 residual_tolerance = 2e-3
 limits = "clamp"
 rate_limits = "refuse"
+project = true
 infeasible = "refuse"
 [pseudo_inverse]
 weights = [1, 2, 3, 4, 5, 6]
@@ -116,6 +118,7 @@ fade = 0.5
   const Config config = read_config(Written(changed).path);
   CHECK(config.robot == "a \"quoted\" 'name'");
   CHECK(config.answers.limits == OnExcess::clamp);
+  CHECK(config.answers.project);
   const MethodSettings& methods = config.answers.methods;
   CHECK_FALSE(methods.relax);
   CHECK(mismatch(methods.pseudo_inverse.weights.diagonal(), (Eigen::VectorXd(6) << 1, 2, 3, 4, 5, 6).finished(), 0.0) ==
@@ -160,7 +163,7 @@ TEST_CASE("a bad configuration is refused with line, key and what would be right
         ":2: linear_transition: cop: expected \"zmp\", or 0 (heel) to 1 (toe)");
   CHECK(complaint("[linear_transition]\ncops = 1").starts_with(":2: linear_transition: cops: is not known here"));
   CHECK(complaint("infeasible = \"flag\"") == ":1: infeasible: found \"flag\"; expected one of: relax, refuse");
-  CHECK(complaint("project = true").starts_with(":1: project: is not known here"));
+  CHECK(complaint("projection = true").starts_with(":1: projection: is not known here"));
   CHECK(complaint("[internal_wrench]\nsigma = 1.5") == ":2: internal_wrench: sigma: found 1.5; expected 0 to 1");
   CHECK(complaint("[tracked_internal]\nsigma = 0.5").starts_with(":1: tracked_internal: is not known here"));
   const std::string weights = "expected up to 16 finite numbers, or as many rows of as many numbers";
@@ -221,6 +224,7 @@ TEST_CASE("the settings id changes with every setting that changes answers, and 
                                   "limits = \"refuse\"",
                                   "limits = \"clamp\"",
                                   "rate_limits = \"refuse\"",
+                                  "project = true",
                                   "[linear_transition]\ncop = 0.5",
                                   "method = \"constrained\"",
                                   "infeasible = \"refuse\"",

@@ -1,6 +1,7 @@
 #include "daemon/answer.h"
 
 #include "robot/fnv.h"
+#include "torque/projection.h"
 #include "wire/finite.h"
 
 #include <algorithm>
@@ -18,11 +19,13 @@ namespace torqued
 namespace
 {
 
-std::optional<Refusal> check_consistency(const AnswerSettings& settings, const SupportEquations& equations,
+constexpr double kProjected = 1e-9; // m, rad, and per s and s²: less than this is rounding, and no reason for a flag
+
+std::optional<Refusal> check_consistency(const AnswerSettings& settings, const ContactErrors& errors,
                                          std::int32_t& flags)
 {
-  if (equations.contact_speed <= settings.contact_speed_tolerance &&
-      equations.contact_residual <= settings.contact_tolerance && equations.sole_tilt <= settings.sole_tilt_tolerance)
+  if (errors.speed <= settings.contact_speed_tolerance && errors.acceleration <= settings.contact_tolerance &&
+      errors.tilt <= settings.sole_tilt_tolerance)
     return {};
   flags |= flag::inconsistent;
   if (settings.consistency == OnExcess::flag)
@@ -31,8 +34,8 @@ std::optional<Refusal> check_consistency(const AnswerSettings& settings, const S
       Reason::inconsistent,
       "the motion gives its contacts a speed of {:.3g} (up to {:.3g} m/s, rad/s), an acceleration of {:.3g} (up to "
       "{:.3g} m/s^2, rad/s^2) and tilts a sole by {:.3g} (up to {:.3g} rad)",
-      equations.contact_speed, settings.contact_speed_tolerance, equations.contact_residual, settings.contact_tolerance,
-      equations.sole_tilt, settings.sole_tilt_tolerance);
+      errors.speed, settings.contact_speed_tolerance, errors.acceleration, settings.contact_tolerance, errors.tilt,
+      settings.sole_tilt_tolerance);
 }
 
 // the last operation before the answer is checked: no torque is changed after this
@@ -122,21 +125,46 @@ std::int64_t settings_id(const AnswerSettings& settings)
   hash.add(settings.contact_tolerance);
   hash.add(settings.sole_tilt_tolerance);
   hash.add(settings.residual_tolerance);
+  hash.add(static_cast<int>(settings.project));
   hash.add(static_cast<int>(settings.limits));
   hash.add(static_cast<int>(settings.rate_limits));
   return hash.id();
 }
 
+Result<DesiredState> answered_motion(const Robot& robot, const AnswerSettings& settings, const DesiredState& desired)
+{
+  if (!settings.project)
+    return desired;
+  const Result<Projection> projected = project(robot, desired);
+  if (const Refusal* refusal = std::get_if<Refusal>(&projected))
+    return *refusal;
+  return std::get<Projection>(projected).state;
+}
+
 Result<Answer> answer(const Robot& robot, const AnswerSettings& settings, const DesiredState& desired,
                       StreamMemory& memory)
 {
-  const Result<SupportEquations> built = support_equations(robot, desired);
+  std::int32_t flags = 0;
+  std::optional<Projection> projection;
+  if (settings.project)
+  {
+    const Result<Projection> projected = project(robot, desired);
+    if (const Refusal* refusal = std::get_if<Refusal>(&projected))
+      return *refusal;
+    projection = std::get<Projection>(projected);
+    const ContactErrors& before = projection->before;
+    if (std::max({before.position, before.tilt, before.speed, before.acceleration}) > kProjected)
+      flags |= flag::projected;
+  }
+  const Result<SupportEquations> built = support_equations(robot, projection ? projection->state : desired);
   if (const Refusal* refusal = std::get_if<Refusal>(&built))
     return *refusal;
   const SupportEquations& equations = std::get<SupportEquations>(built);
-
-  std::int32_t flags = 0;
-  if (const auto refusal = check_consistency(settings, equations, flags))
+  const ContactErrors errors = projection ? projection->before
+                                          : ContactErrors{.tilt = equations.sole_tilt,
+                                                          .speed = equations.contact_speed,
+                                                          .acceleration = equations.contact_residual};
+  if (const auto refusal = check_consistency(settings, errors, flags))
     return *refusal;
 
   const Result<TorqueSolution> solved =
@@ -158,8 +186,8 @@ Result<Answer> answer(const Robot& robot, const AnswerSettings& settings, const 
   flags |= solution.clamped ? flag::clamped : 0;
   flags |= solution.relaxed ? flag::relaxed : 0;
   answer.zmp = zero_moment_point(robot, equations);
-  answer.contact_speed = equations.contact_speed;
-  answer.contact_residual = equations.contact_residual;
+  answer.contact_speed = errors.speed;
+  answer.contact_residual = errors.acceleration;
   answer.torque = solution.torque;
   if (const auto refusal = apply_limits(robot, settings, desired, memory, answer.torque, flags))
     return *refusal;

@@ -25,12 +25,17 @@ struct AnswerSettings
   double contact_tolerance = 0.1;        ///< m/s², rad/s²
   double sole_tilt_tolerance = 0.02;     ///< rad
   double residual_tolerance = 1e-3;      ///< share of the weight, or of weight × leg length; see solve_torques
+  bool project = false;                  ///< answer the nearest motion that keeps its contacts, projection.h
   OnExcess limits = OnExcess::flag;      ///< torque limits
   OnExcess rate_limits = OnExcess::flag; ///< torque-rate limits
 };
 
 /// FNV-1a of the settings; never 0.
 std::int64_t settings_id(const AnswerSettings& settings);
+
+/// The motion that answer() answers: the desired one, or, with settings.project, its projection. Refuses what project()
+/// refuses.
+Result<DesiredState> answered_motion(const Robot& robot, const AnswerSettings& settings, const DesiredState& desired);
 
 /// What a stream's next answer may depend on besides its own desired state: the torque it follows.
 struct StreamMemory
@@ -40,7 +45,7 @@ struct StreamMemory
   VectorJ torque;
 };
 
-/// Answers a desired state: equations, method, checks, limits.
+/// Answers a desired state: projection if wanted, equations, method, checks, limits.
 ///
 /// No clock, no log, no transport, no allocation: the same robot, settings, memory and desired state give the same
 /// bits (on a thread that has called flush_denormals()). Updates the memory when it answers.

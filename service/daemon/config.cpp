@@ -243,6 +243,7 @@ Config read_config(const std::string& path)
   answers.limits = read_on_excess(table, "limits", answers.limits, true);
   answers.rate_limits = read_on_excess(table, "rate_limits", answers.rate_limits, true);
 
+  answers.project = table.boolean("project", answers.project);
   read_methods(table, answers.methods);
   table.finish();
   return config;
@@ -278,6 +279,7 @@ sole_tilt_tolerance = {}  # rad
 residual_tolerance = {}  # under-actuated motion: share of the weight, or of weight x leg length
 limits = {}  # torque limits: flag, refuse or clamp
 rate_limits = {}  # torque-rate limits: flag, refuse or clamp
+project = {}  # answer the nearest motion that keeps its contacts
 infeasible = {}  # constrained: conditions that cannot be met: relax or refuse
 
 # weights: of each motor's torque, or a symmetric positive definite matrix; []: all 1
@@ -312,7 +314,7 @@ fade = {}  # 0 to 0.5: share of the double support in which each end passes into
                      config.every_sample, config.max_age, config.deadline, quoted(name_of(answers.methods.method)),
                      quoted(word(answers.consistency)), answers.contact_speed_tolerance, answers.contact_tolerance,
                      answers.sole_tilt_tolerance, answers.residual_tolerance, quoted(word(answers.limits)),
-                     quoted(word(answers.rate_limits)), quoted(methods.relax ? "relax" : "refuse"),
+                     quoted(word(answers.rate_limits)), answers.project, quoted(methods.relax ? "relax" : "refuse"),
                      shown(methods.pseudo_inverse.weights),
                      fmt::format("[{}]", fmt::join(methods.pseudo_inverse.reaction_weights, ", ")),
                      cop ? fmt::format("{}", *cop) : quoted("zmp"), methods.internal_wrench.sigma,
