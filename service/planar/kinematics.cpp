@@ -41,6 +41,15 @@ void point_jacobian(const Mechanism& mechanism, const Kinematics& now, const Poi
   rows.rightCols<2>().setIdentity();
 }
 
+void point_jacobian_rate(const Mechanism& mechanism, const Kinematics& now, const Point& point, int row, Jacobian& Jdot)
+{
+  auto rows = Jdot.middleRows<2>(row);
+  rows.setZero();
+  for (const Arm& arm : point)
+    rows.leftCols(mechanism.num_theta()) -=
+        now.rate(arm.direction) * rotate(now.e.col(arm.direction), arm.r) * mechanism.W().row(arm.direction);
+}
+
 Eigen::Vector2d acceleration(const Kinematics& now, const Point& point, const VectorD& acceleration,
                              const Eigen::Vector2d& base)
 {

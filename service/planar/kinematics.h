@@ -35,6 +35,14 @@ using Jacobian = Bounded<6, kMaxCoordinates>;
 /// Requires: J has num_q() columns and those rows; they are overwritten.
 void point_jacobian(const Mechanism& mechanism, const Kinematics& now, const Point& point, int row, Jacobian& J);
 
+/// Writes J̇ of a point into the same rows of Jdot; J̇ v is jacobian_rate_times_v().
+///
+///   column of θ_c: −Σ W_kc φ̇_k R(φ_k) r_k;   columns of the base point: 0
+///
+/// Requires: Jdot has num_q() columns and those rows; they are overwritten.
+void point_jacobian_rate(const Mechanism& mechanism, const Kinematics& now, const Point& point, int row,
+                         Jacobian& Jdot);
+
 /// p̈ = J a + J̇ v of a point, m/s².
 ///
 /// acceleration: φ̈ = W θ̈ of every direction; base: that of the base point.

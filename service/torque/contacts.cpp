@@ -77,6 +77,15 @@ ContactRows contact_rows(const Robot& robot, const Kinematics& now, const Suppor
   return rows;
 }
 
+Jacobian contact_rows_rate(const Robot& robot, const Kinematics& now, const Support& support)
+{
+  Jacobian Jdot = Jacobian::Zero(support.wrench_components(), robot.mechanism.num_q());
+  for (const Side side : kSides)
+    if (const Contact contact = support.of(side); contact != Contact::none)
+      point_jacobian_rate(robot.mechanism, now, contact_point(robot.foot(side), contact), support.row(side), Jdot);
+  return Jdot;
+}
+
 Result<Motion> complete_motion(const Robot& robot, const DesiredState& desired)
 {
   const Support& support = desired.support;

@@ -41,6 +41,9 @@ struct ContactRows
 /// Requires: check_contacts().
 ContactRows contact_rows(const Robot& robot, const Kinematics& now, const Support& support);
 
+/// J̇ of contact_rows(), 1/s of its entries. Requires: check_contacts().
+Jacobian contact_rows_rate(const Robot& robot, const Kinematics& now, const Support& support);
+
 /// A desired state whose base is known.
 struct Motion
 {

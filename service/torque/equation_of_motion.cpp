@@ -44,23 +44,15 @@ EquationOfMotion equation_of_motion(const Robot& robot, const Motion& motion, co
   equation.B = S.transpose() * input_matrix(robot);
   equation.generalized_force = S.transpose() * inverse_dynamics(robot.mechanism, now, a);
 
-  const ContactRows contact = contact_rows(robot, now, support);
-  equation.J.resize(0, equation.n);
-  equation.Jdot_v.resize(0);
-  int row = 0;
+  // a fixed root's own contact asks nothing of a motion
+  Support free = support;
   for (const Side side : kSides)
-  {
-    const int rows = wrench_components(support.of(side));
-    if (rows > 0 && !robot.is_root(robot.foot(side)))
-    {
-      const auto done = equation.J.rows();
-      equation.J.conservativeResize(done + rows, equation.n);
-      equation.J.bottomRows(rows) = contact.J.middleRows(row, rows) * S;
-      equation.Jdot_v.conservativeResize(done + rows);
-      equation.Jdot_v.tail(rows) = contact.Jdot_v.segment(row, rows);
-    }
-    row += rows;
-  }
+    if (robot.is_root(robot.foot(side)))
+      free.contact[static_cast<std::size_t>(side)] = Contact::none;
+  const ContactRows contact = contact_rows(robot, now, free);
+  equation.J = contact.J * S;
+  equation.Jdot = contact_rows_rate(robot, now, free) * S;
+  equation.Jdot_v = contact.Jdot_v;
   return equation;
 }
 

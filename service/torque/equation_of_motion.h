@@ -33,6 +33,7 @@ struct EquationOfMotion
   VectorQ g;                              ///< N m
   Bounded<kMaxCoordinates, kMaxJoints> B; ///< n × joints
   Jacobian J;                             ///< wrench components × n; a fixed root's own contact has no rows
+  Jacobian Jdot;                          ///< J̇, in the same coordinates
   WrenchVector Jdot_v;                    ///< J̇ v, m/s², rad/s²
   VectorQ generalized_force;              ///< M a + h + g, N m; without what rotors and friction take
 };
