@@ -4,13 +4,17 @@
 #include "client/subcommands.h"
 #include "daemon/answer.h"
 #include "daemon/answer_dynamics.h"
+#include "torque/joint_friction.h"
 
 #include <CLI/CLI.hpp>
 
+#include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <span>
 
 namespace torqued
@@ -25,8 +29,15 @@ struct Options
 {
   OfflineOptions offline;
   std::string coordinates = "absolute";
-  bool regressor = false;
+  bool regressor = false, reduced = false;
+  std::string elimination{kEliminations[0].name};
 };
+
+EliminationMethod elimination_named(std::string_view name)
+{
+  return std::find_if(kEliminations.begin(), kEliminations.end(), [&](const auto& known) { return known.name == name; })
+      ->method;
+}
 
 // rows that are sent of a matrix that may keep more
 Json rows(const std::vector<std::vector<double>>& matrix, std::int32_t count)
@@ -40,6 +51,24 @@ Json rows(const std::vector<std::vector<double>>& matrix, std::int32_t count)
 Json refused(std::int64_t utime, std::string_view why)
 {
   return {{"utime", utime}, {"error", why}};
+}
+
+// F, what follows from it, and the multipliers of the torques that the configured method answers
+void add_reduced(Json& json, const dynamics_t& reply, const Robot& robot, const EquationOfMotion& equation,
+                 const Elimination& elimination, const Motion& motion, const Answer* answer)
+{
+  json["F"] = rows(reply.F, reply.n);
+  json["Fdot"] = rows(reply.Fdot, reply.n);
+  json["F_bar"] = rows(reply.F_bar, reply.n);
+  json["reduced_mass"] = rows(reply.reduced_mass, reply.num_reduced);
+  json["reduced_coriolis"] = rows(reply.reduced_coriolis, reply.num_reduced);
+  json["reduced_gravity"] = reply.reduced_gravity;
+  json["reduced_input"] = rows(reply.reduced_input, reply.num_reduced);
+  json["independent"] = elimination.independent;
+  json["multipliers"] = nullptr;
+  if (answer)
+    json["multipliers"] =
+        multipliers(equation, elimination, answer->torque - joint_friction(robot, motion.v, motion.a));
 }
 
 Json answered(std::int64_t utime, const dynamics_t& equation, const Robot& robot, const Motion& motion, bool regressor)
@@ -74,8 +103,11 @@ ExitCode dynamics(const Options& options)
   const std::vector<BaseParameter> parameters =
       options.regressor ? base_parameters(robot) : std::vector<BaseParameter>();
   const Coordinates coordinates = options.coordinates == "absolute" ? Coordinates::absolute : Coordinates::relative;
+  const std::optional<EliminationMethod> elimination =
+      options.reduced ? std::optional(elimination_named(options.elimination)) : std::nullopt;
   OutputFile out(path);
   dynamics_t equation{};
+  StreamMemory memory;
   flush_denormals();
   std::vector<std::byte> buffer;
   std::size_t refused_samples = 0;
@@ -93,17 +125,28 @@ ExitCode dynamics(const Options& options)
       const Result<DesiredState> desired = decode_desired_state(encode(trajectory.states[i], buffer), robot);
       if (const Refusal* refusal = std::get_if<Refusal>(&desired))
         return refuse_sample(refusal->detail());
-      const DesiredState& state = std::get<DesiredState>(desired);
+      const Result<DesiredState> moved = answered_motion(robot, config.answers, std::get<DesiredState>(desired));
+      if (const Refusal* refusal = std::get_if<Refusal>(&moved))
+        return refuse_sample(refusal->detail());
+      const DesiredState& state = std::get<DesiredState>(moved);
       const Result<Motion> completed = complete_motion(robot, state);
       if (const Refusal* refusal = std::get_if<Refusal>(&completed))
         return refuse_sample(refusal->detail());
       const Motion& motion = std::get<Motion>(completed);
-      describe_motion(equation, robot, parameters, motion, state.support, coordinates);
+      describe_motion(equation, robot, parameters, motion, state.support, coordinates, elimination);
       if (!equation.error.empty())
         return refuse_sample(equation.error);
       Json json = answered(utime, equation, robot, motion, options.regressor);
       if (!std::isfinite(json["kinetic_energy"].get<double>()) || !std::isfinite(json["power"].get<double>()))
         return refuse_sample("the energy is not finite; the motion's numbers are too large");
+      if (elimination)
+      {
+        const EquationOfMotion matrices = equation_of_motion(robot, motion, state.support, coordinates);
+        const Result<Answer> found = answer(robot, config.answers, state, memory);
+        add_reduced(json, equation, robot, matrices,
+                    std::get<Elimination>(eliminate(matrices.J, matrices.Jdot, *elimination)), motion,
+                    std::get_if<Answer>(&found));
+      }
       return json;
     };
     out.write(line().dump() + "\n");
@@ -129,11 +172,30 @@ Subcommand add_dynamics(CLI::App& torquectl)
   app->add_flag("--regressor", options->regressor,
                 "Y and alpha, too: Y alpha = generalized_force + B (rotors and friction); `torquectl model` says what "
                 "each alpha stands for");
+  CLI::Option* flag = app->add_flag(
+      "--reduced", options->reduced,
+      "the reduced form, too: F, Fdot, F_bar, reduced_mass, reduced_coriolis, reduced_gravity, reduced_input, the "
+      "independent coordinates by number from 0, and multipliers");
+  std::vector<std::string> eliminations;
+  for (const auto& known : kEliminations)
+    eliminations.emplace_back(known.name);
+  app->add_option("--elimination", options->elimination,
+                  fmt::format("how F is found: {}; default: {}", fmt::join(eliminations, ", "), eliminations.front()))
+      ->check(CLI::IsMember(eliminations))
+      ->type_name("NAME")
+      ->needs(flag);
+  add_answer_options(*app, options->offline);
+  app->get_option("--method")->needs(flag);
   app->footer(
       "M a + C v + g = B tau + J' w. Rows and columns are the robot's coordinates, then the base point's x and z "
       "if its root floats. power: of "
       "the generalized force, the rate of the energy; SI. A fixed root's own "
       "contact has no rows in J.\n\n"
+      "v = F z', a = F z'' + Fdot z' for all motions that keep the contacts, J F = 0; multipliers: what the ground "
+      "does\n"
+      "if the motors' torques are those of the method (--method), in the order of the rows of J; null where there is "
+      "no\n"
+      "answer. With project = true in the configuration all is of the projected motion.\n\n"
       "Example, in the source directory:\n"
       "  torquectl dynamics client/trajectories/subject01-walk/walk.csv --robot human-subject01 -o /tmp/d.json");
   return {app, [options]

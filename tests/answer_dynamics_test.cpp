@@ -60,13 +60,19 @@ dynamics_t answer_to(const Robot& robot, const dynamics_request_t& request)
   return answer_to(robot, encode(request, buffer));
 }
 
-Eigen::MatrixXd matrix(const std::vector<std::vector<double>>& rows)
+// columns: of a matrix that may have no rows
+Eigen::MatrixXd matrix(const std::vector<std::vector<double>>& rows, Eigen::Index columns)
 {
-  Eigen::MatrixXd result(rows.size(), rows.empty() ? 0 : rows.front().size());
+  Eigen::MatrixXd result(rows.size(), columns);
   for (std::size_t i = 0; i < rows.size(); ++i)
     for (std::size_t j = 0; j < rows[i].size(); ++j)
       result(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(j)) = rows[i][j];
   return result;
+}
+
+Eigen::MatrixXd matrix(const std::vector<std::vector<double>>& rows)
+{
+  return matrix(rows, rows.empty() ? 0 : static_cast<Eigen::Index>(rows.front().size()));
 }
 
 Eigen::VectorXd vector(const std::vector<double>& numbers)
@@ -189,8 +195,6 @@ TEST_CASE("a bad request is answered with one line that says what would be right
       {[](auto& r) { r.right_contact = 4; }, "right_contact is 4; expected NONE (0), HEEL (1), SOLE (2) or TOE (3)"},
       {[](auto& r) { r.want_regressor = 2; }, "want_regressor is 2; expected 0 or 1"},
       {[](auto& r) { r.want_reduced = 3; }, "want_reduced is 3; expected 0 or 1"},
-      {[](auto& r) { r.want_reduced = 1; },
-       "want_reduced is 1; this version does not compute the reduced form: it is 0"},
       {[](auto& r) { r.base_v[1] = NAN; }, "base_v[1] is nan; expected a finite number"},
       {[](auto& r) { r.base_a[0] = INFINITY; }, "base_a[0] is inf; expected a finite number"},
       {[](auto& r) { r.q[3] = NAN; }, "q[3] is nan; expected a finite number"},
@@ -224,6 +228,57 @@ TEST_CASE("a bad request is answered with one line that says what would be right
   request.base_v[0] = 0.0;
   request.left_contact = dynamics_request_t::HEEL;
   CHECK(answer_to(compass, request).error.find("stands as SOLE (2)") != std::string::npos);
+}
+
+TEST_CASE("the reduced form that is asked for eliminates the contacts of the same equation", "[answer_dynamics]")
+{
+  oracle::Random random(5);
+  for (const Robot& robot : all_kinds_of_robots())
+    for (int i = 0; i < kStates / 20; ++i)
+      for (const std::int8_t coordinates : {dynamics_request_t::ABSOLUTE, dynamics_request_t::RELATIVE})
+      {
+        CAPTURE(robot.name, i, static_cast<int>(coordinates));
+        dynamics_request_t request = request_for(robot, random);
+        request.coordinates = coordinates;
+        request.want_reduced = 1;
+        const dynamics_t reply = answer_to(robot, request);
+        request.want_reduced = 0;
+        const dynamics_t without = answer_to(robot, request);
+        REQUIRE(without.error == "");
+        CHECK(without.num_reduced == 0);
+        CHECK(without.num_multipliers == 0);
+        if (reply.error != "")
+        {
+          // contacts that depend on each other: more rows than coordinates, or nearly
+          CHECK((reply.error.starts_with("the contacts are not independent: ") ||
+                 reply.error.starts_with("the contacts have ")));
+          CHECK(reply.n == 0);
+          continue;
+        }
+        CHECK(reply.num_multipliers == reply.num_contact_rows);
+        REQUIRE(reply.num_reduced == reply.n - reply.num_contact_rows);
+        const Eigen::MatrixXd M = matrix(reply.M, reply.n), C = matrix(reply.C, reply.n),
+                              B = matrix(reply.B, reply.num_joints), J = matrix(reply.J, reply.n),
+                              F = matrix(reply.F, reply.num_reduced), Fdot = matrix(reply.Fdot, reply.num_reduced),
+                              F_bar = matrix(reply.F_bar, reply.num_multipliers);
+        CHECK(M == matrix(without.M, without.n));
+        // F and F̄ grow where contacts nearly depend on each other
+        const double size = std::max(
+            {1.0, F.size() > 0 ? F.cwiseAbs().maxCoeff() : 0.0, F_bar.size() > 0 ? F_bar.cwiseAbs().maxCoeff() : 0.0});
+        const double rounding = 1e-12 * size * size;
+        CHECK(mismatch(J * F, Eigen::MatrixXd::Zero(J.rows(), F.cols()), rounding) == "");
+        CHECK(mismatch(J * F_bar, Eigen::MatrixXd::Identity(J.rows(), J.rows()), rounding) == "");
+        CHECK(mismatch(matrix(reply.reduced_mass, reply.num_reduced), F.transpose() * M * F, rounding) == "");
+        CHECK(mismatch(matrix(reply.reduced_coriolis, reply.num_reduced), F.transpose() * (M * Fdot + C * F),
+                       rounding) == "");
+        CHECK(mismatch(vector(reply.reduced_gravity), F.transpose() * vector(reply.g), rounding) == "");
+        CHECK(mismatch(matrix(reply.reduced_input, reply.num_joints), F.transpose() * B, rounding) == "");
+        // z' are coordinates' rates: rows of the unit matrix, in order
+        Eigen::Index next = 0;
+        for (Eigen::Index row = 0; row < F.rows() && next < F.cols(); ++row)
+          next += F.row(row) == Eigen::MatrixXd::Identity(F.cols(), F.cols()).row(next) ? 1 : 0;
+        CHECK(next == F.cols());
+      }
 }
 
 TEST_CASE("a request that is cut, extended or no request at all is answered with an error", "[answer_dynamics]")

@@ -247,3 +247,73 @@ TEST_CASE("dynamics and wrenches write to the terminal, and nothing else there",
   CHECK(std::count(wrenches.out.begin(), wrenches.out.end(), '\n') == 62);
   CHECK(wrenches.out.starts_with("utime,x_stance_leg,z_stance_leg,fx_stance_leg,fz_stance_leg,m_stance_leg,x_hip,"));
 }
+
+TEST_CASE("the multipliers are the ground reactions, whatever the elimination, and null without an answer",
+          "[torquectl_dynamics]")
+{
+  const TemporaryFolder folder;
+  const std::string walk = folder.file("walk.csv"), answers = folder.file("a.csv");
+  REQUIRE(run({"gait", "--robot", "rk", "--rate", "20", "-o", walk}).code == 0);
+  REQUIRE(run({"eval", walk, "--robot", "rk", "--method", "human-transition", "-o", answers}).code == 0);
+  const auto table = rows(walk), answered = rows(answers);
+  const auto at = [](const std::vector<std::vector<std::string>>& cells, std::size_t row, const std::string& name)
+  {
+    return cells[row + 1]
+                [static_cast<std::size_t>(std::find(cells[0].begin(), cells[0].end(), name) - cells[0].begin())];
+  };
+  for (const std::string name : {"partitioning", "qr", "svd", "zero-eigenvalue", "schur", "putd"})
+    for (const std::string coordinates : {"absolute", "relative"})
+    {
+      CAPTURE(name, coordinates);
+      const std::string out = folder.file("d.json");
+      const Run done = run({"dynamics", walk, "--robot", "rk", "-o", out, "--reduced", "--elimination", name,
+                            "--method", "human-transition", "--coordinates", coordinates});
+      CAPTURE(done.err);
+      REQUIRE(done.code == 0);
+      const std::vector<Json> equations = objects(out);
+      REQUIRE(equations.size() + 1 == table.size());
+      for (std::size_t i = 0; i < equations.size(); ++i)
+      {
+        CAPTURE(i);
+        const Json& equation = equations[i];
+        std::vector<double> w;
+        for (const std::string side : {"L", "R"})
+          if (const std::string contact = at(table, i, "contact" + side); contact != "none")
+          {
+            w.push_back(std::stod(at(answered, i, "fx" + side)));
+            w.push_back(std::stod(at(answered, i, "fz" + side)));
+            if (contact == "sole")
+              w.push_back(std::stod(at(answered, i, "moment" + side)));
+          }
+        CHECK(mismatch(vector(equation["multipliers"]),
+                       Eigen::Map<const Eigen::VectorXd>(w.data(), static_cast<Eigen::Index>(w.size())), 1e-9) == "");
+        CHECK(equation["independent"].size() == (name == "partitioning" ? 9 - w.size() : 0));
+        // the walk keeps its contacts: its rates and accelerations are F's, and the reduced equation holds
+        const Eigen::MatrixXd F = matrix(equation["F"]);
+        CHECK(mismatch(matrix(equation["J"]) * F, Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(w.size()), F.cols()),
+                       1e-12) == "");
+        CHECK(matrix(equation["reduced_mass"]).llt().info() == Eigen::Success);
+      }
+    }
+
+  // a motion that cannot be answered has an equation, and no multipliers
+  const std::string falls = folder.write("toe.csv", "time,q0,q1,q2,q3,q4,q5,q6,dq0,dq1,dq2,dq3,dq4,dq5,dq6,ddq0,ddq1,"
+                                                    "ddq2,ddq3,ddq4,ddq5,ddq6,contactL,contactR\n"
+                                                    "0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,toe,none\n");
+  const std::string out = folder.file("toe.json");
+  REQUIRE(run({"dynamics", falls, "--robot", "ck", "--reduced", "-o", out}).code == 0);
+  CHECK(objects(out)[0]["multipliers"].is_null());
+  CHECK(objects(out)[0]["F"].size() == 9);
+  // without --reduced nothing of it
+  REQUIRE(run({"dynamics", falls, "--robot", "ck", "-o", out}).code == 0);
+  CHECK_FALSE(objects(out)[0].contains("F"));
+  CHECK_FALSE(objects(out)[0].contains("multipliers"));
+
+  for (const std::vector<std::string>& more : std::vector<std::vector<std::string>>{
+           {"--elimination", "qr"}, {"--method", "constrained"}, {"--reduced", "--elimination", "gauss"}})
+  {
+    std::vector<std::string> words{"dynamics", walk, "--robot", "rk", "-o", out};
+    words.insert(words.end(), more.begin(), more.end());
+    CHECK(run(words).code == 64);
+  }
+}

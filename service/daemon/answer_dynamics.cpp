@@ -24,15 +24,24 @@ template <typename Vector> void copy_vector(const Vector& from, std::vector<doub
   to.assign(from.begin(), from.end());
 }
 
+template <typename Matrix> bool all(const Matrix& matrix)
+{
+  return std::all_of(matrix.data(), matrix.data() + matrix.size(), is_finite);
+}
+
 bool finite(const EquationOfMotion& equation, const Eigen::MatrixXd& Y)
 {
-  const auto all = [](const auto& matrix)
-  {
-    return std::all_of(matrix.data(), matrix.data() + matrix.size(), is_finite);
-  };
   return all(equation.M) && all(equation.C) && all(equation.h) && all(equation.g) && all(equation.J) &&
          all(equation.Jdot_v) && all(equation.generalized_force) && all(Y);
 }
+
+bool finite(const Elimination& elimination, const ReducedForm& reduced)
+{
+  return all(elimination.F) && all(elimination.Fdot) && all(elimination.F_bar) && all(reduced.mass) &&
+         all(reduced.coriolis) && all(reduced.gravity) && all(reduced.input);
+}
+
+constexpr std::string_view kNotFinite = "a result is not finite; the motion's numbers are too large";
 
 } // namespace
 
@@ -46,12 +55,13 @@ void refuse_request(dynamics_t& reply, const Robot& robot, std::int64_t request_
 }
 
 void describe_motion(dynamics_t& reply, const Robot& robot, const std::vector<BaseParameter>& parameters,
-                     const Motion& motion, const Support& support, Coordinates coordinates)
+                     const Motion& motion, const Support& support, Coordinates coordinates,
+                     std::optional<EliminationMethod> elimination)
 {
   const EquationOfMotion equation = equation_of_motion(robot, motion, support, coordinates);
   const Eigen::MatrixXd Y = regressor(robot, parameters, motion);
   if (!finite(equation, Y))
-    return refuse_request(reply, robot, reply.request_id, "a result is not finite; the motion's numbers are too large");
+    return refuse_request(reply, robot, reply.request_id, kNotFinite);
   reply.model_id = robot.model_id;
   reply.error.clear();
   reply.n = equation.n;
@@ -77,10 +87,30 @@ void describe_motion(dynamics_t& reply, const Robot& robot, const std::vector<Ba
     reply.alpha.push_back(parameters[i].value);
   }
   copy_matrix(shown, reply.Y);
-  // of what is not wanted there are rows of no length
-  const auto n = static_cast<std::size_t>(equation.n);
-  for (auto* matrix : {&reply.F, &reply.Fdot, &reply.F_bar})
-    matrix->resize(n);
+  if (!elimination)
+  {
+    // of what is not wanted there are rows of no length
+    for (auto* matrix : {&reply.F, &reply.Fdot, &reply.F_bar})
+      matrix->resize(static_cast<std::size_t>(equation.n));
+    return;
+  }
+
+  const Result<Elimination> eliminated = eliminate(equation.J, equation.Jdot, *elimination);
+  if (const Refusal* refusal = std::get_if<Refusal>(&eliminated))
+    return refuse_request(reply, robot, reply.request_id, refusal->detail());
+  const Elimination& found = std::get<Elimination>(eliminated);
+  const ReducedForm reduced = reduced_form(equation, found);
+  if (!finite(found, reduced))
+    return refuse_request(reply, robot, reply.request_id, kNotFinite);
+  reply.num_reduced = static_cast<std::int32_t>(found.F.cols());
+  reply.num_multipliers = static_cast<std::int32_t>(found.F_bar.cols());
+  copy_matrix(found.F, reply.F);
+  copy_matrix(found.Fdot, reply.Fdot);
+  copy_matrix(found.F_bar, reply.F_bar);
+  copy_matrix(reduced.mass, reply.reduced_mass);
+  copy_matrix(reduced.coriolis, reply.reduced_coriolis);
+  copy_vector(reduced.gravity, reply.reduced_gravity);
+  copy_matrix(reduced.input, reply.reduced_input);
 }
 
 void answer_dynamics(const Robot& robot, const std::vector<BaseParameter>& parameters, Bytes request, dynamics_t& reply)
@@ -95,7 +125,8 @@ void answer_dynamics(const Robot& robot, const std::vector<BaseParameter>& param
   reply.request_id = wanted.request_id;
   static const std::vector<BaseParameter> none;
   describe_motion(reply, robot, wanted.want_regressor ? parameters : none, std::get<Motion>(motion),
-                  wanted.state.support, wanted.coordinates);
+                  wanted.state.support, wanted.coordinates,
+                  wanted.want_reduced ? std::optional(EliminationMethod::partitioning) : std::nullopt);
 }
 
 } // namespace torqued

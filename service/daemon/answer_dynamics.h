@@ -1,6 +1,7 @@
 /// The daemon's second line: from a question for the equation of motion to its answer.
 #pragma once
 
+#include "torque/elimination.h"
 #include "torque/regressor.h"
 #include "wire/dynamics_codec.h"
 
@@ -16,8 +17,10 @@ void answer_dynamics(const Robot& robot, const std::vector<BaseParameter>& param
 /// Refuses a request; error: one line, what was wrong and what would be right.
 void refuse_request(dynamics_t& reply, const Robot& robot, std::int64_t request_id, std::string_view error);
 
-/// Describes a motion: all but request_id, error empty. parameters: empty if Y is not wanted.
+/// Describes a motion: all but request_id, error empty. parameters: empty if Y is not wanted. elimination: by it the
+/// reduced form, if that is wanted.
 void describe_motion(dynamics_t& reply, const Robot& robot, const std::vector<BaseParameter>& parameters,
-                     const Motion& motion, const Support& support, Coordinates coordinates);
+                     const Motion& motion, const Support& support, Coordinates coordinates,
+                     std::optional<EliminationMethod> elimination);
 
 } // namespace torqued

@@ -70,14 +70,13 @@ Result<DynamicsRequest> decode_dynamics_request(Bytes message, const Robot& robo
     return *refusal;
   if (auto refusal = check_choice("want_reduced", want_reduced, 1, "0 or 1"))
     return *refusal;
-  if (want_reduced != 0)
-    return Refusal(Reason::not_supported, "want_reduced is 1; this version does not compute the reduced form: it is 0");
   if (robot.fixed_root() && base != std::array{0.0, 0.0, 0.0, 0.0})
     return Refusal(Reason::out_of_range, "base_v is ({}, {}) and base_a ({}, {}); the root of {} is fixed: all are 0",
                    base[0], base[1], base[2], base[3], robot.name);
 
   request.coordinates = static_cast<Coordinates>(coordinates);
   request.want_regressor = want_regressor != 0;
+  request.want_reduced = want_reduced != 0;
   state.base_given = !robot.fixed_root();
   state.support = {{static_cast<Contact>(left_contact), static_cast<Contact>(right_contact)}, Side::left, 0.0, 0.0};
   if (request.coordinates == Coordinates::relative)

@@ -15,7 +15,7 @@ struct DynamicsRequest
 {
   std::int64_t request_id;
   Coordinates coordinates;
-  bool want_regressor;
+  bool want_regressor, want_reduced;
   DesiredState state; ///< in ABSOLUTE coordinates, base given unless the root is fixed
 };
 
@@ -26,7 +26,7 @@ std::int64_t read_request_id(Bytes message);
 std::size_t dynamics_request_size(const Robot& robot);
 
 /// Checks and decodes a request for this robot, in the order of decode_desired_state(). Does not throw, whatever the
-/// bytes. Refuses: undecodable, wrong_size, not_finite, out_of_range, and not_supported for want_reduced.
+/// bytes. Refuses: undecodable, wrong_size, not_finite, out_of_range.
 Result<DynamicsRequest> decode_dynamics_request(Bytes message, const Robot& robot);
 
 /// For clients: see codec.h.
