@@ -67,7 +67,10 @@ VectorQ scales(const Robot& robot)
   return S;
 }
 
-// J and the least change of coordinates, in the scales S, by which J x grows by y.
+// J and the least x, in the scales S, with J x = y.
+//
+// J̃ᵀ P = Q R. Of rows that depend on others only those are served: if they contradict the others, what remains is seen
+// in the end. (Eigen's complete decomposition would do that, too, but takes memory.)
 class ContactSpace
 {
 public:
@@ -75,15 +78,25 @@ public:
       : rows(contact_rows(robot, now, support)), S_(S)
   {
     decomposition_.setThreshold(kCoincident);
-    decomposition_.compute(rows.J * S_.asDiagonal());
+    decomposition_.compute(S_.asDiagonal() * rows.J.transpose());
   }
-  VectorQ least(const WrenchVector& y) const { return S_.asDiagonal() * VectorQ(decomposition_.solve(y)); }
+  VectorQ least(const WrenchVector& y) const
+  {
+    const Eigen::Index rank = decomposition_.rank();
+    VectorQ x = VectorQ::Zero(S_.size());
+    for (Eigen::Index k = 0; k < rank; ++k)
+      x(k) = y(decomposition_.colsPermutation().indices()(k));
+    auto served = x.head(rank);
+    decomposition_.matrixQR().topLeftCorner(rank, rank).triangularView<Eigen::Upper>().transpose().solveInPlace(served);
+    x.applyOnTheLeft(decomposition_.householderQ());
+    return S_.cwiseProduct(x);
+  }
 
   const ContactRows rows;
 
 private:
   const VectorQ& S_;
-  Eigen::CompleteOrthogonalDecomposition<Jacobian> decomposition_;
+  Eigen::ColPivHouseholderQR<Bounded<kMaxCoordinates, 6>> decomposition_;
 };
 
 } // namespace
