@@ -5,6 +5,7 @@
 #include "client/answer_table.h"
 #include "robot/robot.h"
 
+#include <Eigen/Cholesky>
 #include <algorithm>
 #include <fmt/format.h>
 #include <map>
