@@ -119,8 +119,7 @@ void check_bounds(const std::array<double, 5>& errors, const std::array<double, 
 TEST_CASE("people's double support is what a human transition makes of it", "[compare]")
 {
   const Walk walk;
-  // what is worth having: less than half the error of a linear transition in moments, because gait analysis tells 10 %
-  // of a hip moment's range apart between people
+  // what this walk has, 7.5, 4.0, 10.2, 15.0 and 16.1 %, with room for another shape and none for another rule
   const std::array<double, 5> bounds{0.10, 0.06, 0.13, 0.22, 0.24};
   check_bounds(walk.errors(Method::human_transition), bounds);
   const std::array<double, 5> linear = walk.errors(Method::linear_transition);
