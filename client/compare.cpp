@@ -342,15 +342,7 @@ ExitCode compare(const Options& options)
   if (!options.json.empty())
     require_other_file(options.offline.file, options.json);
   const auto [config, robot, trajectory] = read_offline_input(options.offline);
-  std::vector<DesiredState> states;
-  std::vector<std::byte> buffer;
-  for (std::size_t i = 0; i < trajectory.states.size(); ++i)
-  {
-    const Result<DesiredState> desired = decode_desired_state(encode(trajectory.states[i], buffer), robot);
-    if (const Refusal* refusal = std::get_if<Refusal>(&desired))
-      throw Failure(ExitCode::bad_data, fmt::format("{}: {}", trajectory.place(i), refusal->detail()));
-    states.push_back(std::get<DesiredState>(desired));
-  }
+  const std::vector<DesiredState> states = decode_all(robot, trajectory);
   const std::vector<Channel> channels =
       read_channels(read_file(options.offline.file), options.offline.file, robot, states);
   const Changes changes = find_changes(states);

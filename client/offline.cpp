@@ -5,6 +5,8 @@
 
 #include <CLI/CLI.hpp>
 
+#include <fmt/format.h>
+
 namespace torqued
 {
 
@@ -43,6 +45,20 @@ OfflineInput read_offline_input(const OfflineOptions& options)
   for (const std::string& line : notes(trajectory, robot.name, robot.model_id))
     note(line);
   return {std::move(config), std::move(robot), std::move(trajectory)};
+}
+
+std::vector<DesiredState> decode_all(const Robot& robot, const Trajectory& trajectory)
+{
+  std::vector<DesiredState> states;
+  std::vector<std::byte> buffer;
+  for (std::size_t i = 0; i < trajectory.states.size(); ++i)
+  {
+    const Result<DesiredState> desired = decode_desired_state(encode(trajectory.states[i], buffer), robot);
+    if (const Refusal* refusal = std::get_if<Refusal>(&desired))
+      throw Failure(ExitCode::bad_data, fmt::format("{}: {}", trajectory.place(i), refusal->detail()));
+    states.push_back(std::get<DesiredState>(desired));
+  }
+  return states;
 }
 
 } // namespace torqued

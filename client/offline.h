@@ -6,6 +6,7 @@
 
 #include <optional>
 #include <string>
+#include <vector>
 
 namespace CLI
 {
@@ -38,5 +39,9 @@ struct OfflineInput
 
 /// Reads configuration, robot and trajectory, and tells the user what to know about them. Throws Failure; FileError.
 OfflineInput read_offline_input(const OfflineOptions& options);
+
+/// The trajectory's desired states, checked as the daemon checks them; all of them. Throws Failure, bad_data, with the
+/// place of the first that cannot be used.
+std::vector<DesiredState> decode_all(const Robot& robot, const Trajectory& trajectory);
 
 } // namespace torqued

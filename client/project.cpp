@@ -24,22 +24,13 @@ bool in_contact(const DesiredState& state, Side side)
   return state.support.of(side) != Contact::none;
 }
 
-std::vector<DesiredState> decode_all(const Robot& robot, const Trajectory& trajectory)
+void check_base(const Trajectory& trajectory, const std::vector<DesiredState>& states)
 {
-  std::vector<DesiredState> states;
-  std::vector<std::byte> buffer;
-  for (std::size_t i = 0; i < trajectory.states.size(); ++i)
-  {
-    const Result<DesiredState> desired = decode_desired_state(encode(trajectory.states[i], buffer), robot);
-    if (const Refusal* refusal = std::get_if<Refusal>(&desired))
-      throw Failure(ExitCode::bad_data, fmt::format("{}: {}", trajectory.place(i), refusal->detail()));
-    states.push_back(std::get<DesiredState>(desired));
-    if (states.back().base_given != states.front().base_given)
+  for (std::size_t i = 0; i < states.size(); ++i)
+    if (states[i].base_given != states.front().base_given)
       throw Failure(ExitCode::bad_data,
                     fmt::format("{}: base is {}; expected it GIVEN in all desired states, or FROM_CONTACT in all",
-                                trajectory.place(i), states.back().base_given ? "GIVEN" : "FROM_CONTACT"));
-  }
-  return states;
+                                trajectory.place(i), states[i].base_given ? "GIVEN" : "FROM_CONTACT"));
 }
 
 // Footholds by the mean over each stance of a foot.
@@ -220,6 +211,7 @@ ExitCode run(const OfflineOptions& options)
                   fmt::format("-o: found \"{}\"; expected a name that ends in .csv, or -", options.out));
   const auto [config, robot, trajectory] = read_offline_input(options);
   const std::vector<DesiredState> states = decode_all(robot, trajectory);
+  check_base(trajectory, states);
   const std::vector<Footholds> footholds = find_footholds(robot, trajectory, states);
   const bool base_given = states.front().base_given;
 
