@@ -4,6 +4,7 @@
 #include "run_torquectl.h"
 #include "temporary_folder.h"
 
+#include "client/lcm_log.h"
 #include "client/trajectory.h"
 #include "daemon/answer.h"
 #include "torque/projection.h"
@@ -504,6 +505,20 @@ TEST_CASE("torquectl project says what it cannot use", "[projection]")
   CHECK(says({"project", measured, "--robot", "human-subject01", "-o", out})
             .starts_with("65 torquectl: " + measured + ":"));
   CHECK_FALSE(std::filesystem::exists(out)); // nothing half done
+  // a log whose base comes and goes
+  const std::string mixed = folder.file("mixed.lcm");
+  const Robot ck = load_robot("ck");
+  Trajectory states = parse_trajectory(read_file(walk), walk, coordinate_names(ck), false, Channels());
+  LogWriter log(mixed);
+  std::vector<std::byte> buffer;
+  states.states[1].base = desired_state_t::FROM_CONTACT;
+  for (const std::size_t i : {0U, 1U})
+    log.write("TORQUED_DESIRED", states.states[i].utime, encode(states.states[i], buffer));
+  log.close();
+  CHECK(says({"project", mixed, "--robot", "ck", "-o", out}) ==
+        fmt::format("65 torquectl: {}: record 1: base is FROM_CONTACT; expected it GIVEN in all desired states, or "
+                    "FROM_CONTACT in all\n",
+                    mixed));
   // to the terminal: the table and nothing else
   const Run terminal = run({"project", walk, "--robot", "ck", "-o", "-"});
   CHECK(terminal.out.starts_with("utime,q0,"));

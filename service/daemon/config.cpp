@@ -308,7 +308,7 @@ f_min = {}  # least normal force of a loaded foot, N; 'robot': as its file says
 trailing_cop = {}  # where the trailing sole presses, 0 (heel) to 1 (toe)
 leading_cop = {}  # and the leading one
 time_weight = {}  # 0 to 1: weight of load_transfer, against the lever rule, in the vertical share
-fade = {}  # 0 to 0.5: share of the double support in which each end passes into single support
+fade = {}  # 0 to 0.5: share of the double support in which each end passes into single support; 0: at once
 )",
                      quoted(config.robot), quoted(config.lcm_url), quoted(config.prefix), quoted(config.log_level),
                      config.every_sample, config.max_age, config.deadline, quoted(name_of(answers.methods.method)),

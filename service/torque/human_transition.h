@@ -13,7 +13,8 @@ struct HumanTransition
   double trailing_cop = 0.875; ///< 0 = heel, 1 = toe: where the trailing sole presses when it can, about the toes' ball
   double leading_cop = 0.125;  ///< likewise the leading sole
   double time_weight = 0.3;    ///< 0..1: weight of the time that has passed, against the lever, in the vertical share
-  double fade = 0.1;           ///< 0..0.5: share of the double support in which each end passes into single support
+  double fade = 0.1;           ///< 0..0.5: share of the double support in which each end passes into single support; 0:
+                               ///< at once, so that torques may jump there
 };
 
 /// Hands the load over as measured on people: pushed off with the trailing forefoot, taken up with the leading heel,
