@@ -32,7 +32,7 @@ enum class Reason : std::int32_t
   numerical = 15
 };
 
-/// The reason's name as messages.md and rejection_t spell it, e.g. "OUT_OF_RANGE"; "UNKNOWN" for any other number.
+/// The reason's name as rejection_t spells it, e.g. "OUT_OF_RANGE"; "UNKNOWN" for any other number.
 std::string_view name_of(Reason reason);
 
 /// A reason, and one line that says which field, its value and what would be right.
