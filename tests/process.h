@@ -50,6 +50,7 @@ public:
   Process(const Process&) = delete;
   Process& operator=(const Process&) = delete;
 
+  pid_t pid() const { return pid_; }
   void signal(int number) const { kill(pid_, number); }
 
   /// Its exit code, or minus the signal that killed it; nothing if it still runs after this time.
