@@ -29,10 +29,10 @@ template <typename Matrix> bool all(const Matrix& matrix)
   return std::all_of(matrix.data(), matrix.data() + matrix.size(), is_finite);
 }
 
-bool finite(const EquationOfMotion& equation, const Eigen::MatrixXd& Y)
+bool finite(const EquationOfMotion& equation)
 {
   return all(equation.M) && all(equation.C) && all(equation.h) && all(equation.g) && all(equation.J) &&
-         all(equation.Jdot_v) && all(equation.generalized_force) && all(Y);
+         all(equation.Jdot_v) && all(equation.generalized_force);
 }
 
 bool finite(const Elimination& elimination, const ReducedForm& reduced)
@@ -43,7 +43,65 @@ bool finite(const Elimination& elimination, const ReducedForm& reduced)
 
 constexpr std::string_view kNotFinite = "a result is not finite; the motion's numbers are too large";
 
+// Y and alpha of the reply; whether all of Y is finite
+bool describe_parameters(dynamics_t& reply, const Robot& robot, const std::vector<BaseParameter>& parameters,
+                         const Motion& motion, Coordinates coordinates)
+{
+  const auto rows = static_cast<std::size_t>(reply.n);
+  reply.num_parameters = static_cast<std::int32_t>(parameters.size());
+  reply.alpha.resize(parameters.size());
+  reply.Y.resize(rows);
+  for (std::vector<double>& row : reply.Y)
+    row.resize(parameters.size());
+  bool finite = true;
+  for (std::size_t i = 0; i < parameters.size(); ++i)
+  {
+    reply.alpha[i] = parameters[i].value;
+    const VectorQ column = in_coordinates(robot, regressor_column(robot, parameters[i], motion), coordinates);
+    for (std::size_t row = 0; row < rows; ++row)
+      reply.Y[row][i] = column(static_cast<Eigen::Index>(row));
+    finite = finite && all(column);
+  }
+  return finite;
+}
+
+int num_rows(const Robot& robot)
+{
+  return robot.num_coordinates() + (robot.fixed_root() ? 0 : 2);
+}
+
 } // namespace
+
+void reserve(dynamics_t& reply, const Robot& robot, const std::vector<BaseParameter>& parameters)
+{
+  constexpr int contact_rows = 6;
+  reply.error.reserve(256); // more than a refusal's detail
+  reply.n = reply.num_reduced = num_rows(robot);
+  reply.num_joints = robot.num_joints();
+  reply.num_contact_rows = reply.num_multipliers = contact_rows;
+  reply.num_parameters = static_cast<std::int32_t>(parameters.size());
+  const auto n = static_cast<std::size_t>(reply.n);
+  const auto joints = static_cast<std::size_t>(reply.num_joints);
+  const auto matrix = [](std::vector<std::vector<double>>& rows, std::size_t height, std::size_t width)
+  {
+    rows.assign(height, std::vector<double>(width));
+  };
+  matrix(reply.M, n, n);
+  matrix(reply.C, n, n);
+  matrix(reply.B, n, joints);
+  matrix(reply.J, contact_rows, n);
+  matrix(reply.Y, n, parameters.size());
+  matrix(reply.F, n, n);
+  matrix(reply.Fdot, n, n);
+  matrix(reply.F_bar, n, contact_rows);
+  matrix(reply.reduced_mass, n, n);
+  matrix(reply.reduced_coriolis, n, n);
+  matrix(reply.reduced_input, n, joints);
+  for (std::vector<double>* vector : {&reply.h, &reply.g, &reply.generalized_force, &reply.reduced_gravity})
+    vector->resize(n);
+  reply.Jdot_v.resize(contact_rows);
+  reply.alpha.resize(parameters.size());
+}
 
 void refuse_request(dynamics_t& reply, const Robot& robot, std::int64_t request_id, std::string_view error)
 {
@@ -59,15 +117,13 @@ void describe_motion(dynamics_t& reply, const Robot& robot, const std::vector<Ba
                      std::optional<EliminationMethod> elimination)
 {
   const EquationOfMotion equation = equation_of_motion(robot, motion, support, coordinates);
-  const Eigen::MatrixXd Y = regressor(robot, parameters, motion);
-  if (!finite(equation, Y))
+  if (!finite(equation))
     return refuse_request(reply, robot, reply.request_id, kNotFinite);
   reply.model_id = robot.model_id;
   reply.error.clear();
   reply.n = equation.n;
   reply.num_joints = robot.num_joints();
   reply.num_contact_rows = static_cast<std::int32_t>(equation.J.rows());
-  reply.num_parameters = static_cast<std::int32_t>(parameters.size());
   reply.num_reduced = reply.num_multipliers = 0;
   copy_matrix(equation.M, reply.M);
   copy_matrix(equation.C, reply.C);
@@ -77,16 +133,8 @@ void describe_motion(dynamics_t& reply, const Robot& robot, const std::vector<Ba
   copy_matrix(equation.J, reply.J);
   copy_vector(equation.Jdot_v, reply.Jdot_v);
   copy_vector(equation.generalized_force, reply.generalized_force);
-
-  Eigen::MatrixXd shown(equation.n, Y.cols());
-  reply.alpha.clear();
-  for (std::size_t i = 0; i < parameters.size(); ++i)
-  {
-    const auto column = static_cast<Eigen::Index>(i);
-    shown.col(column) = in_coordinates(robot, Y.col(column), coordinates);
-    reply.alpha.push_back(parameters[i].value);
-  }
-  copy_matrix(shown, reply.Y);
+  if (!describe_parameters(reply, robot, parameters, motion, coordinates))
+    return refuse_request(reply, robot, reply.request_id, kNotFinite);
   if (!elimination)
   {
     // of what is not wanted there are rows of no length

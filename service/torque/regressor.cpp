@@ -200,24 +200,25 @@ std::vector<BaseParameter> base_parameters(const Robot& robot)
   return parameters;
 }
 
+VectorQ regressor_column(const Robot& robot, const BaseParameter& parameter, const Motion& motion)
+{
+  VectorQ column = inverse_dynamics(parameter.unit, motion.now, motion.a);
+  if (parameter.joint >= 0)
+  {
+    const int size = robot.mechanism.num_theta();
+    VectorJ torque = VectorJ::Zero(robot.num_joints());
+    torque(parameter.joint) = joint_friction(parameter.motor, joint_rates(robot, motion.v.head(size))(parameter.joint),
+                                             joint_rates(robot, motion.a.head(size))(parameter.joint));
+    column.head(size) += joint_forces(robot, torque);
+  }
+  return column;
+}
+
 Eigen::MatrixXd regressor(const Robot& robot, const std::vector<BaseParameter>& parameters, const Motion& motion)
 {
-  const int size = robot.mechanism.num_theta();
-  const VectorJ rate = joint_rates(robot, motion.v.head(size));
-  const VectorJ acceleration = joint_rates(robot, motion.a.head(size));
   Eigen::MatrixXd Y(robot.mechanism.num_q(), static_cast<Eigen::Index>(parameters.size()));
   for (std::size_t i = 0; i < parameters.size(); ++i)
-  {
-    const BaseParameter& parameter = parameters[i];
-    VectorQ column = inverse_dynamics(parameter.unit, motion.now, motion.a);
-    if (parameter.joint >= 0)
-    {
-      VectorJ torque = VectorJ::Zero(robot.num_joints());
-      torque(parameter.joint) = joint_friction(parameter.motor, rate(parameter.joint), acceleration(parameter.joint));
-      column.head(size) += joint_forces(robot, torque);
-    }
-    Y.col(static_cast<Eigen::Index>(i)) = column;
-  }
+    Y.col(static_cast<Eigen::Index>(i)) = regressor_column(robot, parameters[i], motion);
   return Y;
 }
 

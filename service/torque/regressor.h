@@ -37,6 +37,9 @@ struct BaseParameter
 /// motors come last.
 std::vector<BaseParameter> base_parameters(const Robot& robot);
 
+/// One column of Y, length num_q(). Does not allocate.
+VectorQ regressor_column(const Robot& robot, const BaseParameter& parameter, const Motion& motion);
+
 /// Y, num_q() × parameters.
 Eigen::MatrixXd regressor(const Robot& robot, const std::vector<BaseParameter>& parameters, const Motion& motion);
 
