@@ -18,7 +18,11 @@ class Bench
 {
 public:
   explicit Bench(const Config& config = {})
-      : channels_(config.prefix), log_("test"), loop_(bus_, robot_, config, log_, [] { return std::int64_t{5}; })
+      : channels_(config.prefix), log_("test"), loop_(bus_, robot_, config, log_,
+                                                      {.dropped_logs = []
+                                                       {
+                                                         return std::int64_t{5};
+                                                       }})
   {
     for (const std::string& channel :
          {channels_.command, channels_.rejected, channels_.status, channels_.model, channels_.dynamics})

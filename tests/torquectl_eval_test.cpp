@@ -47,7 +47,7 @@ Trajectory read_walk(const Robot& robot)
 class Daemon
 {
 public:
-  explicit Daemon(const Robot& robot) : loop_(bus_, robot, every_sample(), log_, [] { return std::int64_t{0}; })
+  explicit Daemon(const Robot& robot) : loop_(bus_, robot, every_sample(), log_, {})
   {
     bus_.subscribeFunction("TORQUED_COMMAND", &Daemon::hear, this);
     loop_.listen();

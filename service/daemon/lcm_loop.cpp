@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <poll.h>
 #include <random>
 #include <spdlog/logger.h>
@@ -20,11 +21,17 @@ namespace
 constexpr std::int64_t kStatusPeriod = 100'000;  // µs
 constexpr std::int64_t kModelPeriod = 2'000'000; // µs
 constexpr std::int64_t kBusProof = 1'000'000;    // µs
+// When so many of our own statuses in a row have not come back, the bus is broken.
+constexpr int kDeaf = 5;
 // Messages that LCM keeps for us, because a full queue would drop the newest; and the most that one cycle deals with:
 // all that waited when it began, and yet a flood cannot keep the newest from its answer.
 constexpr int kQueue = 10'000;
-// Requests for the equation of motion that may wait: one is answered per cycle, after the desired states.
-constexpr int kRequests = 16;
+
+// What is logged besides refusals, which are logged by the numbers of their reasons, from 1. A repeated one is logged
+// once in a while, and counted.
+constexpr std::size_t kBusTookNoMessage = 0;
+constexpr std::size_t kOtherDaemon = 16;
+constexpr std::int64_t kSecond = 1'000'000; // µs
 
 std::int64_t nanoseconds(clockid_t clock)
 {
@@ -44,16 +51,16 @@ std::int64_t random_id()
   return std::uniform_int_distribution<std::int64_t>(1)(device);
 }
 
-Bytes bytes_of(const lcm::ReceiveBuffer& buffer)
+Bytes bytes_of(const lcm_recv_buf_t* buffer)
 {
-  return {static_cast<const std::byte*>(buffer.data), buffer.data_size};
+  return {static_cast<const std::byte*>(buffer->data), buffer->data_size};
 }
 
 } // namespace
 
 LcmLoop::LcmLoop(lcm::LCM& bus, const Robot& robot, const Config& config, spdlog::logger& log,
-                 std::function<std::int64_t()> dropped_logs)
-    : bus_(bus), robot_(robot), config_(config), log_(log), dropped_logs_(std::move(dropped_logs)),
+                 Surroundings surroundings)
+    : bus_(bus), robot_(robot), config_(config), log_(log), surroundings_(std::move(surroundings)),
       channels_(config.prefix), parameters_(base_parameters(robot)), gate_(config.max_age), command_(), rejection_(),
       status_(), dynamics_(), start_(monotonic_us()), last_awake_(start_)
 {
@@ -63,36 +70,51 @@ LcmLoop::LcmLoop(lcm::LCM& bus, const Robot& robot, const Config& config, spdlog
   status_.settings_id = id;
   status_.version = TORQUED_VERSION;
   model_ = model_info(robot_, status_.instance_id, id, to_toml(config_));
+  // all memory that messages can ever ask for
   command_.torque.reserve(kMaxJoints);
   rejection_.detail.reserve(256);
-  buffer_.reserve(4096);
+  reserve(dynamics_, robot_, parameters_);
+  encode(dynamics_, buffer_);
+  encode(model_, buffer_);
 
-  // LCM takes channel names for regular expressions; ours hold nothing that would not stand for itself (set_prefix)
-  subscriptions_.push_back(bus_.subscribeFunction(channels_.status, &LcmLoop::hear_status, this));
+  constexpr int statuses = 30; // of our own and of other daemons
+  subscribe(channels_.status, &LcmLoop::hear_status, statuses);
 }
 
-void LcmLoop::listen()
+bool LcmLoop::listen()
 {
-  subscriptions_.push_back(bus_.subscribeFunction(channels_.desired, &LcmLoop::hear_desired, this));
-  subscriptions_.back()->setQueueCapacity(kQueue);
-  subscriptions_.push_back(bus_.subscribeFunction(channels_.dynamics_request, &LcmLoop::hear_request, this));
-  subscriptions_.back()->setQueueCapacity(kRequests);
   last_awake_ = monotonic_us();
+  return subscribe(channels_.desired, &LcmLoop::hear_desired, kQueue) &&
+         subscribe(channels_.dynamics_request, &LcmLoop::hear_request, static_cast<int>(requests_.ring.size()));
+}
+
+// By LCM's C interface: the one for C++ makes a std::string of every channel's name. LCM takes channels for regular
+// expressions; ours hold nothing that would not stand for itself (set_prefix).
+bool LcmLoop::subscribe(const std::string& channel, lcm_msg_handler_t handler, int queue)
+{
+  lcm_subscription_t* subscription = lcm_subscribe(bus_.getUnderlyingLCM(), channel.c_str(), handler, this);
+  if (subscription == nullptr)
+    return false;
+  lcm_subscription_set_queue_capacity(subscription, queue);
+  subscriptions_.push_back(subscription);
+  return true;
 }
 
 LcmLoop::~LcmLoop()
 {
-  for (lcm::Subscription* subscription : subscriptions_)
-    bus_.unsubscribe(subscription);
+  for (lcm_subscription_t* subscription : subscriptions_)
+    lcm_unsubscribe(bus_.getUnderlyingLCM(), subscription);
 }
 
-bool LcmLoop::prove_bus()
+bool LcmLoop::prove_bus(int stop_fd)
 {
   const std::int64_t until = monotonic_us() + kBusProof;
   publish_status(status_t::WAITING);
-  while (!heard_own_status_ && monotonic_us() < until)
-    bus_.handleTimeout(10);
-  return heard_own_status_;
+  std::array<pollfd, 2> fds{{{bus_.getFileno(), POLLIN, 0}, {stop_fd, POLLIN, 0}}};
+  while (statuses_away_ > 0 && (fds[1].revents & POLLIN) == 0 && monotonic_us() < until)
+    if (poll(fds.data(), fds.size(), 10) > 0 && (fds[0].revents & POLLIN) != 0)
+      bus_.handle();
+  return statuses_away_ == 0;
 }
 
 void LcmLoop::run(int stop_fd)
@@ -109,7 +131,7 @@ bool LcmLoop::cycle(double timeout, int stop_fd)
   const std::int64_t before = monotonic_us();
   notice_own_stall(before);
   const double until_status = 1e-6 * static_cast<double>(std::max<std::int64_t>(next_status_ - before, 0));
-  const double wait = requests_.empty() ? std::min({timeout, config_.max_age, until_status}) : 0.0;
+  const double wait = requests_.count == 0 ? std::min({timeout, config_.max_age, until_status}) : 0.0;
   const int wait_ms = static_cast<int>(std::ceil(1e3 * wait));
   std::array<pollfd, 2> fds{{{bus_.getFileno(), POLLIN, 0}, {stop_fd, POLLIN, 0}}};
   poll(fds.data(), fds.size(), wait_ms);
@@ -120,6 +142,7 @@ bool LcmLoop::cycle(double timeout, int stop_fd)
   }
   answer_pending();
   answer_oldest_request();
+  note_deafness();
   publish_status_and_model_when_due();
   return (fds[1].revents & POLLIN) != 0;
 }
@@ -135,36 +158,32 @@ bool LcmLoop::notice_own_stall(std::int64_t now, std::int64_t asleep)
   return true;
 }
 
-void LcmLoop::hear_desired(const lcm::ReceiveBuffer* buffer, const std::string& channel, LcmLoop* loop) noexcept
-try
+void LcmLoop::hear_desired(const lcm_recv_buf_t* buffer, const char* channel, void* self) noexcept
 {
-  if (channel == loop->channels_.desired)
-    loop->on_desired(bytes_of(*buffer));
-}
-catch (const std::exception& error)
-{
-  loop->log_.critical("a desired state was lost: {}", error.what());
+  LcmLoop* const loop = static_cast<LcmLoop*>(self);
+  try
+  {
+    if (channel == loop->channels_.desired)
+      loop->on_desired(bytes_of(buffer));
+  }
+  catch (const std::exception& error)
+  {
+    loop->log_.critical("a desired state was lost: {}", error.what());
+  }
 }
 
-void LcmLoop::hear_request(const lcm::ReceiveBuffer* buffer, const std::string& channel, LcmLoop* loop) noexcept
-try
+void LcmLoop::hear_request(const lcm_recv_buf_t* buffer, const char* channel, void* self) noexcept
 {
+  LcmLoop* const loop = static_cast<LcmLoop*>(self);
   if (channel == loop->channels_.dynamics_request)
-    loop->on_request(bytes_of(*buffer));
-}
-catch (const std::exception& error)
-{
-  loop->log_.critical("a request was lost: {}", error.what());
+    loop->on_request(bytes_of(buffer));
 }
 
-void LcmLoop::hear_status(const lcm::ReceiveBuffer* buffer, const std::string&, LcmLoop* loop) noexcept
-try
+void LcmLoop::hear_status(const lcm_recv_buf_t* buffer, const char* channel, void* self) noexcept
 {
-  loop->on_status(bytes_of(*buffer));
-}
-catch (const std::exception& error)
-{
-  loop->log_.critical("a status was lost: {}", error.what());
+  LcmLoop* const loop = static_cast<LcmLoop*>(self);
+  if (channel == loop->channels_.status)
+    loop->on_status(bytes_of(buffer));
 }
 
 void LcmLoop::on_desired(Bytes message)
@@ -237,36 +256,71 @@ void LcmLoop::reject(const Sender& sender, const Refusal& refusal)
   ++status_.received;
   status_.last_reason = rejection_.reason;
 
-  std::int64_t& next_log = next_log_[static_cast<std::size_t>(refusal.reason())];
-  if (const std::int64_t now = monotonic_us(); now >= next_log)
-  {
-    next_log = now + 1'000'000;
-    log_.warn("rejected: {}: {} ({} rejected so far)", name_of(refusal.reason()), refusal.detail(), status_.rejected);
-  }
+  // cut, because spdlog allocates for lines of more than 250 characters; the rejection has all of it
+  if (may_log(static_cast<std::size_t>(refusal.reason()), kSecond))
+    log_.warn("rejected: {}: {:.170} ({} rejected so far)", name_of(refusal.reason()), refusal.detail(),
+              status_.rejected);
+}
+
+// Whether this has not been logged for a while (µs); then it counts as logged now.
+bool LcmLoop::may_log(std::size_t what, std::int64_t period)
+{
+  const std::int64_t now = monotonic_us();
+  if (now < next_log_[what])
+    return false;
+  next_log_[what] = now + period;
+  return true;
 }
 
 // A request waits until no desired state does; one too many is dropped, so that a flood costs no more than its
 // reception.
 void LcmLoop::on_request(Bytes message)
 {
-  if (requests_.size() < kRequests)
-    requests_.emplace_back(message.begin(), message.end());
+  if (requests_.count == requests_.ring.size())
+    return;
+  Requests::Request& request = requests_.ring[(requests_.oldest + requests_.count++) % requests_.ring.size()];
+  request.size = std::min(message.size(), request.bytes.size());
+  std::copy_n(message.begin(), request.size, request.bytes.begin());
 }
 
 void LcmLoop::answer_oldest_request()
 {
-  if (requests_.empty())
+  if (requests_.count == 0)
     return;
-  answer_dynamics(robot_, parameters_, requests_.front(), dynamics_);
-  requests_.pop_front();
+  const Requests::Request& request = requests_.ring[requests_.oldest];
+  answer_dynamics(robot_, parameters_, Bytes(request.bytes.data(), request.size), dynamics_);
+  requests_.oldest = (requests_.oldest + 1) % requests_.ring.size();
+  --requests_.count;
   publish(channels_.dynamics, dynamics_);
 }
 
 void LcmLoop::on_status(Bytes message)
 {
-  status_t heard;
-  if (!heard_own_status_ && decode(message, heard))
-    heard_own_status_ = heard.instance_id == status_.instance_id;
+  const std::int64_t instance_id = read_status_instance(message);
+  if (instance_id == status_.instance_id)
+  {
+    statuses_away_ = 0;
+    surroundings_.on_healthy();
+  }
+  else if (instance_id != 0 && may_log(kOtherDaemon, 10 * kSecond))
+  {
+    log_.error("another daemon, instance {}, publishes on {}, too: clients get two answers to each sample; stop one of "
+               "them, or give it another --prefix",
+               instance_id, channels_.status);
+  }
+}
+
+// Says when the bus stops carrying our messages back to us, and when it does so again.
+void LcmLoop::note_deafness()
+{
+  const bool deaf = statuses_away_ > kDeaf;
+  if (deaf == deaf_)
+    return;
+  deaf_ = deaf;
+  if (deaf)
+    log_.error("the bus does not bring back this daemon's own status any more: it is deaf until the bus is mended");
+  else
+    log_.warn("the bus carries messages again");
 }
 
 std::int8_t LcmLoop::state(std::int64_t now) const
@@ -299,20 +353,22 @@ void LcmLoop::publish_status(std::int8_t state)
   status_.uptime_us = now - start_;
   status_.state = state;
   status_.conflicts = gate_.conflicts();
-  status_.dropped_logs = dropped_logs_();
+  status_.dropped_logs = surroundings_.dropped_logs();
   status_.input_age_us = last_arrival_ < 0 ? -1 : now - last_arrival_;
   status_.latency_us_p50 = latency.p50;
   status_.latency_us_p90 = latency.p90;
   status_.latency_us_p99 = latency.p99;
   status_.latency_us_p999 = latency.p999;
   status_.latency_us_max = latency.max;
+  ++statuses_away_;
   publish(channels_.status, status_);
 }
 
 template <typename Message> void LcmLoop::publish(const std::string& channel, const Message& message)
 {
   const Bytes bytes = encode(message, buffer_);
-  if (bus_.publish(channel, bytes.data(), static_cast<unsigned int>(bytes.size())) != 0)
+  if (bus_.publish(channel, bytes.data(), static_cast<unsigned int>(bytes.size())) != 0 &&
+      may_log(kBusTookNoMessage, kSecond))
     log_.error("the bus did not take a message of {} bytes on {}", bytes.size(), channel);
 }
 

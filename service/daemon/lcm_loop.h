@@ -10,9 +10,7 @@
 
 #include <array>
 #include <cstdint>
-#include <deque>
 #include <functional>
-#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -27,23 +25,38 @@ namespace torqued
 
 /// Hears desired states and publishes a command or a rejection for each, answers requests for the equation of motion,
 /// and publishes a status ten times a second and the model every two seconds. One thread; nothing a message holds can
-/// make it throw or stop.
+/// make it throw, stop or, once it listens, allocate.
+///
+/// It hears its own statuses, too: as long as they come back, the bus carries messages and the loop turns. When they
+/// stay away, and when another daemon publishes on the same channel, the log says so.
 class LcmLoop
 {
 public:
-  /// dropped_logs: how many log lines have been dropped so far. The bus, the robot and the logger must outlive the
-  /// loop.
-  LcmLoop(lcm::LCM& bus, const Robot& robot, const Config& config, spdlog::logger& log,
-          std::function<std::int64_t()> dropped_logs);
+  /// What the loop asks of, and tells, the process that it runs in.
+  struct Surroundings
+  {
+    /// How many log lines have been dropped so far.
+    std::function<std::int64_t()> dropped_logs = []
+    {
+      return std::int64_t{0};
+    };
+    /// Called for each status of our own that came back over the bus: the loop turns, sends and hears.
+    std::function<void()> on_healthy = [] {
+    };
+  };
+
+  /// The bus, the robot and the logger must outlive the loop.
+  LcmLoop(lcm::LCM& bus, const Robot& robot, const Config& config, spdlog::logger& log, Surroundings surroundings);
   ~LcmLoop();
   LcmLoop(const LcmLoop&) = delete;
   LcmLoop& operator=(const LcmLoop&) = delete;
 
-  /// Publishes the first status and hears it come back. false: the bus does not carry messages, not even to ourselves.
-  bool prove_bus();
+  /// Publishes the first status and hears it come back. false: the bus does not carry messages, not even to ourselves,
+  /// or stop_fd can be read.
+  bool prove_bus(int stop_fd = -1);
 
-  /// Begins to hear desired states. What came before is not heard.
-  void listen();
+  /// Begins to hear desired states. What came before is not heard. false: the bus takes no subscription.
+  bool listen();
 
   /// Waits for messages, for at most timeout (s) or until stop_fd can be read, and deals with all that have come.
   /// Returns whether stop_fd can be read. stop_fd: −1 for none.
@@ -54,11 +67,11 @@ public:
 
 private:
   // what LCM calls; they let nothing be thrown into it
-  static void hear_desired(const lcm::ReceiveBuffer* buffer, const std::string& channel, LcmLoop* loop) noexcept;
-  static void hear_status(const lcm::ReceiveBuffer* buffer, const std::string& channel, LcmLoop* loop) noexcept;
+  static void hear_desired(const lcm_recv_buf_t* buffer, const char* channel, void* loop) noexcept;
+  static void hear_status(const lcm_recv_buf_t* buffer, const char* channel, void* loop) noexcept;
+  static void hear_request(const lcm_recv_buf_t* buffer, const char* channel, void* loop) noexcept;
 
-  static void hear_request(const lcm::ReceiveBuffer* buffer, const std::string& channel, LcmLoop* loop) noexcept;
-
+  bool subscribe(const std::string& channel, lcm_msg_handler_t handler, int queue);
   void on_desired(Bytes message);
   void on_request(Bytes message);
   void on_status(Bytes message);
@@ -69,8 +82,10 @@ private:
   void reject(const Sender& sender, const Refusal& refusal);
   void publish_status(std::int8_t state);
   void publish_status_and_model_when_due();
+  void note_deafness();
   std::int8_t state(std::int64_t now) const;
   bool notice_own_stall(std::int64_t now, std::int64_t asleep = 0);
+  bool may_log(std::size_t what, std::int64_t period);
 
   template <typename Message> void publish(const std::string& channel, const Message& message);
 
@@ -78,16 +93,30 @@ private:
   const Robot& robot_;
   const Config config_;
   spdlog::logger& log_;
-  const std::function<std::int64_t()> dropped_logs_;
+  const Surroundings surroundings_;
   const Channels channels_;
   const std::vector<BaseParameter> parameters_;
-  std::vector<lcm::Subscription*> subscriptions_;
+  std::vector<lcm_subscription_t*> subscriptions_;
+
+  // Requests for the equation of motion that wait: one is answered per cycle, after the desired states.
+  struct Requests
+  {
+    // of a longer one, which no robot's is, so much that it is refused
+    static constexpr std::size_t kLongest = 4096;
+    struct Request
+    {
+      std::size_t size = 0;
+      std::array<std::byte, kLongest> bytes;
+    };
+    std::array<Request, 16> ring;
+    std::size_t oldest = 0, count = 0;
+  };
 
   StreamGate gate_;
   StreamMemory memory_;
   std::optional<DesiredState> pending_; // newest wins: the newest checked sample that waits for its answer
   std::int64_t pending_arrival_ = 0;
-  std::deque<std::vector<std::byte>> requests_; // for the equation of motion, the oldest first
+  Requests requests_;
 
   torque_command_t command_;
   rejection_t rejection_;
@@ -98,8 +127,9 @@ private:
 
   Latencies latencies_;
   std::int64_t start_, last_arrival_ = -1, last_awake_, next_status_ = 0, next_model_ = 0;
-  std::array<std::int64_t, 16> next_log_{}; // by reason: a repeated refusal is logged once a second, and counted
-  bool heard_own_status_ = false;
+  int statuses_away_ = 0; // published since one of our own came back
+  bool deaf_ = false;
+  std::array<std::int64_t, 17> next_log_{}; // by reason or event: when it may be logged again
 };
 
 } // namespace torqued

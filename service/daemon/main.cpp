@@ -10,12 +10,15 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 #include <optional>
+#include <poll.h>
 #include <signal.h>
 #include <spdlog/async.h>
 #include <spdlog/sinks/stdout_color_sinks.h>
 #include <spdlog/spdlog.h>
-#include <sys/signalfd.h>
+#include <sys/eventfd.h>
 #include <sysexits.h>
+#include <systemd/sd-daemon.h>
+#include <thread>
 
 namespace
 {
@@ -101,22 +104,35 @@ std::optional<Config> configure(int argc, char** argv)
   return config;
 }
 
-// SIGTERM and SIGINT as a readable file; before any thread starts, so that all of them leave the signals to it.
-int stop_signals()
+// A file that SIGTERM and SIGINT make readable. What has not ended by itself soon after that, because something blocks
+// it — the bus, a full disk, a terminal that nobody reads — is ended here. To be called before any other thread starts,
+// so that all of them leave the signals to this one.
+int end_by_signal()
 {
   sigset_t signals;
   sigemptyset(&signals);
   sigaddset(&signals, SIGTERM);
   sigaddset(&signals, SIGINT);
   pthread_sigmask(SIG_BLOCK, &signals, nullptr);
-  return signalfd(-1, &signals, SFD_CLOEXEC);
+  const int stop_fd = eventfd(0, EFD_CLOEXEC);
+  std::thread(
+      [signals, stop_fd]
+      {
+        int signal = 0;
+        sigwait(&signals, &signal);
+        eventfd_write(stop_fd, 1);
+        std::this_thread::sleep_for(std::chrono::milliseconds(60));
+        std::_Exit(EX_OK);
+      })
+      .detach();
+  return stop_fd;
 }
 
 int serve(const Config& config)
 {
   const Robot robot = load_robot(config.robot);
   check_fits(config, robot);
-  const int stop_fd = stop_signals();
+  const int stop_fd = end_by_signal();
   spdlog::init_thread_pool(1024, 1);
   const auto log = spdlog::create_async_nb<spdlog::sinks::stderr_color_sink_mt>("torqued");
   log->set_level(spdlog::level::from_str(config.log_level));
@@ -124,19 +140,30 @@ int serve(const Config& config)
   lcm::LCM bus(config.lcm_url);
   if (!bus.good())
     throw Exit{EX_UNAVAILABLE, fmt::format("the LCM bus cannot be opened: {}", bus_trouble(config.lcm_url))};
-  LcmLoop loop(bus, robot, config, *log,
-               [pool = spdlog::thread_pool()] { return static_cast<std::int64_t>(pool->overrun_counter()); });
-  if (!loop.prove_bus())
+  LcmLoop loop(
+      bus, robot, config, *log,
+      {.dropped_logs = [pool = spdlog::thread_pool()] { return static_cast<std::int64_t>(pool->overrun_counter()); },
+       .on_healthy =
+           []
+       {
+         sd_notify(0, "WATCHDOG=1");
+       }});
+  if (!loop.prove_bus(stop_fd) || !loop.listen())
+  {
+    if (pollfd stop{stop_fd, POLLIN, 0}; poll(&stop, 1, 0) > 0)
+      return EX_OK;
     throw Exit{EX_UNAVAILABLE, fmt::format("the LCM bus does not carry messages, not even to this process itself: {}",
                                            bus_trouble(config.lcm_url))};
+  }
   log->info("answering {} on {}TORQUED_DESIRED, {:.1f} kg, {} joints, method {}", robot.name, config.prefix,
             robot.mechanism.mass(), robot.num_joints(), name_of(config.answers.methods.method));
   if (std::none_of(robot.feet.begin(), robot.feet.end(), [](const Foot& foot) { return foot.exists(); }))
     log->warn("{} has no feet: no contact with the ground is possible; a TOML file with [[foot]] tables gives it some",
               robot.name);
   flush_denormals();
-  loop.listen();
+  sd_notify(0, "READY=1");
   loop.run(stop_fd);
+  sd_notify(0, "STOPPING=1");
   log->info("stopped");
   spdlog::shutdown();
   return EX_OK;

@@ -34,6 +34,14 @@ Sender read_sender(Bytes message)
   return {utime_read ? utime : 0, cursor.ok() ? stream_id : 0};
 }
 
+std::int64_t read_status_instance(Bytes message)
+{
+  Cursor cursor = after_fingerprint<status_t>(message);
+  cursor.skip(8); // utime
+  const std::int64_t instance_id = cursor.int64();
+  return cursor.ok() ? instance_id : 0;
+}
+
 Result<DesiredState> decode_desired_state(Bytes message, const Robot& robot)
 {
   const int angles = robot.num_coordinates();

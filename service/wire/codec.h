@@ -41,6 +41,9 @@ struct Sender
 };
 Sender read_sender(Bytes message);
 
+/// Whose status this is: its instance_id; 0 if it is no status. Does not allocate.
+std::int64_t read_status_instance(Bytes message);
+
 /// Checks and decodes a desired state for this robot.
 ///
 /// Checked in this order: fingerprint, count, exact size, model, every number finite, every field in its range, method.
