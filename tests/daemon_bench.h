@@ -70,10 +70,13 @@ public:
   }
 
   void send(Bytes bytes) { bus_.publish(channels_.desired, bytes.data(), static_cast<unsigned>(bytes.size())); }
-  void send(const desired_state_t& desired)
+  void send(const desired_state_t& desired) { publish(channels_.desired, desired); }
+
+  template <typename Message> void publish(const std::string& channel, const Message& message)
   {
     std::vector<std::byte> buffer;
-    send(encode(desired, buffer));
+    const Bytes bytes = encode(message, buffer);
+    bus_.publish(channel, bytes.data(), static_cast<unsigned>(bytes.size()));
   }
 
   void ask(std::int64_t request_id)
@@ -86,9 +89,7 @@ public:
     request.num_coordinates = model->num_coordinates;
     request.q.resize(static_cast<std::size_t>(model->num_coordinates));
     request.v = request.a = request.q;
-    std::vector<std::byte> buffer;
-    const Bytes bytes = encode(request, buffer);
-    bus_.publish(channels_.dynamics_request, bytes.data(), static_cast<unsigned>(bytes.size()));
+    publish(channels_.dynamics_request, request);
   }
 
   std::optional<model_info_t> model;
