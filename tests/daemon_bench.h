@@ -31,7 +31,7 @@ public:
     REQUIRE(bus_.good());
     for (const std::string& channel :
          {channels_.command, channels_.rejected, channels_.status, channels_.model, channels_.dynamics})
-      bus_.subscribeFunction(channel, &Bench::hear, this);
+      bus_.subscribeFunction(channel, &Bench::hear, this)->setQueueCapacity(10'000);
     arguments.insert(arguments.begin(), TORQUED);
     arguments.insert(arguments.begin(), launcher.begin(), launcher.end());
     torqued_.emplace(arguments, folder_.file("output"), errors);
@@ -48,6 +48,14 @@ public:
     while (!condition() && Clock::now() < until)
       bus_.handleTimeout(5);
     return condition();
+  }
+
+  /// Hears messages for this long.
+  void hear_for(Clock::duration duration)
+  {
+    const auto until = Clock::now() + duration;
+    while (Clock::now() < until)
+      bus_.handleTimeout(1);
   }
 
   static std::int64_t now()

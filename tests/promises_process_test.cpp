@@ -1,0 +1,510 @@
+#include "catch.h"
+#include "daemon_bench.h"
+
+#include "robot/robot_files.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <set>
+#include <sys/socket.h>
+#include <sys/stat.h>
+#include <sys/un.h>
+
+using namespace torqued;
+
+namespace
+{
+
+using Clock = Bench::Clock;
+
+std::vector<std::byte> encoded(const desired_state_t& desired)
+{
+  std::vector<std::byte> bytes(static_cast<std::size_t>(desired.getEncodedSize()));
+  encode(desired, bytes);
+  return bytes;
+}
+
+std::size_t disposed(const Bench& bench)
+{
+  return bench.commands.size() + bench.rejections.size();
+}
+
+// sends a sample and waits for what comes of it
+void send_one(Bench& bench, const desired_state_t& desired)
+{
+  const std::size_t before = disposed(bench);
+  bench.send(desired);
+  REQUIRE(bench.wait([&] { return disposed(bench) > before; }));
+}
+
+// a thousand samples a second for this long
+void stream(Bench& bench, std::chrono::milliseconds duration)
+{
+  const auto begin = Clock::now();
+  for (auto next = begin; next < begin + duration; next += std::chrono::milliseconds(1))
+  {
+    while (Clock::now() < next)
+      bench.hear_for(next - Clock::now());
+    bench.send(bench.standing());
+  }
+}
+
+// the account of all samples, as the daemon's last status gives it and as this client heard it
+void check_account(Bench& bench)
+{
+  bench.torqued().signal(SIGTERM);
+  REQUIRE(bench.wait([&] { return !bench.statuses.empty() && bench.statuses.back().state == status_t::STOPPING; }));
+  const status_t& last = bench.statuses.back();
+  CHECK(last.received == last.answered + last.rejected + last.superseded);
+  CHECK(last.answered == static_cast<std::int64_t>(bench.commands.size()));
+  CHECK(last.rejected == static_cast<std::int64_t>(bench.rejections.size()));
+  for (std::size_t i = 1; i < bench.commands.size(); ++i)
+    CHECK(bench.commands[i].utime > bench.commands[i - 1].utime);
+  CHECK(bench.undecoded_ == 0);
+  CHECK(bench.torqued().wait() == 0);
+}
+
+bool finite(const torque_command_t& command)
+{
+  const auto ok = [](double number)
+  {
+    return std::isfinite(number);
+  };
+  const auto reaction = [&](const ground_reaction_t& foot)
+  {
+    return ok(foot.fx) && ok(foot.fz) && ok(foot.moment) && ok(foot.cop) && ok(foot.friction_ratio);
+  };
+  return reaction(command.left) && reaction(command.right) && ok(command.zmp) && ok(command.dynamics_residual) &&
+         ok(command.contact_speed) && ok(command.contact_residual) &&
+         std::all_of(command.torque.begin(), command.torque.end(), ok);
+}
+
+// Runs a command of the shell that must succeed.
+void shell(const std::string& command)
+{
+  CAPTURE(command);
+  REQUIRE(std::system(command.c_str()) == 0);
+}
+
+// What systemd hears from a service.
+class NotifySocket
+{
+public:
+  explicit NotifySocket(const std::string& path) : path_(path), fd_(socket(AF_UNIX, SOCK_DGRAM | SOCK_NONBLOCK, 0))
+  {
+    sockaddr_un address{};
+    address.sun_family = AF_UNIX;
+    path_.copy(address.sun_path, sizeof address.sun_path - 1);
+    REQUIRE(bind(fd_, reinterpret_cast<sockaddr*>(&address), sizeof address) == 0);
+  }
+  ~NotifySocket() { close(fd_); }
+  NotifySocket(const NotifySocket&) = delete;
+  NotifySocket& operator=(const NotifySocket&) = delete;
+
+  std::string variable() const { return "NOTIFY_SOCKET=" + path_; }
+  // how often this has been heard
+  int heard(const std::string& what)
+  {
+    std::array<char, 256> buffer;
+    for (ssize_t size = 0; (size = recv(fd_, buffer.data(), buffer.size(), 0)) >= 0;)
+      words_.emplace_back(buffer.data(), static_cast<std::size_t>(size));
+    return static_cast<int>(std::count(words_.begin(), words_.end(), what));
+  }
+
+private:
+  std::string path_;
+  int fd_;
+  std::vector<std::string> words_;
+};
+
+constexpr const char* kMulticast = "ip link set lo up multicast on && ip route add 224.0.0.0/4 dev lo";
+
+} // namespace
+
+TEST_CASE("whatever the bytes of a sample, it is counted once and the next good one is answered", "[promises_process]")
+{
+  Bench bench;
+  const desired_state_t good = bench.standing();
+  const std::vector<std::byte> bytes = encoded(good);
+  std::vector<std::vector<std::byte>> bad;
+  // numbers: load_transfer, phase, base and motion, in the places where they stand, most significant byte first
+  constexpr std::size_t load_transfer = 8 + 3 * 8 + 6, count = load_transfer + 8 * 8;
+  const auto with_number = [&](std::size_t at, double number)
+  {
+    std::vector<std::byte> changed = bytes;
+    const auto bits = std::bit_cast<std::uint64_t>(number);
+    for (std::size_t i = 0; i < 8; ++i)
+      changed[at + i] = static_cast<std::byte>(bits >> (56 - 8 * i));
+    return changed;
+  };
+  for (const double number : std::initializer_list<double>{NAN, -NAN, HUGE_VAL, -HUGE_VAL})
+  {
+    for (std::size_t at = load_transfer; at < count; at += 8)
+      bad.push_back(with_number(at, number));
+    for (std::size_t at = count + 4; at < bytes.size(); at += 8)
+      bad.push_back(with_number(at, number));
+  }
+  for (const double number : {-1e-300, 1.0000001, 1e308})
+    for (const std::size_t at : {load_transfer, load_transfer + 8})
+      bad.push_back(with_number(at, number));
+  for (const std::int32_t n : {-1, 0, 6, 8, 100'000'000, 1 << 29, INT32_MAX, INT32_MIN})
+  {
+    bad.push_back(bytes);
+    for (std::size_t i = 0; i < 4; ++i)
+      bad.back()[count + i] = static_cast<std::byte>(static_cast<std::uint32_t>(n) >> (24 - 8 * i));
+  }
+  for (std::size_t size = 0; size < bytes.size(); ++size)
+    bad.emplace_back(bytes.begin(), bytes.begin() + static_cast<std::ptrdiff_t>(size));
+  for (std::size_t extra = 1; extra <= 1000; ++extra)
+  {
+    bad.push_back(bytes);
+    bad.back().resize(bytes.size() + extra);
+  }
+  for (std::size_t at = 0; at < 8; ++at) // fingerprint
+    for (int bit = 0; bit < 8; ++bit)
+    {
+      bad.push_back(bytes);
+      bad.back()[at] ^= static_cast<std::byte>(1 << bit);
+    }
+  for (std::size_t at = 32; at < 38; ++at) // choices
+    for (const int value : {-128, -1, 10, 127})
+    {
+      bad.push_back(bytes);
+      bad.back()[at] = static_cast<std::byte>(value);
+    }
+
+  for (std::size_t i = 0; i < bad.size(); ++i)
+  {
+    bench.send(Bytes(bad[i]));
+    // what waits fits into a socket's buffer
+    if (i % 50 == 49 || i + 1 == bad.size())
+    {
+      CAPTURE(i);
+      REQUIRE(bench.wait([&] { return bench.rejections.size() == i + 1; }));
+    }
+  }
+  CHECK(bench.commands.empty());
+  send_one(bench, bench.standing());
+  CHECK(bench.commands.size() == 1);
+  check_account(bench);
+}
+
+TEST_CASE("whatever the motion, its answer is finite and within clamped limits, or it is refused", "[promises_process]")
+{
+  struct Variant
+  {
+    std::string name, torque_limit, friction;
+  };
+  for (const Variant& variant : {Variant{"as it ships", "150.0", "0.6"}, Variant{"weak", "0.0", "0.6"},
+                                 Variant{"on ice", "150.0", "0.0"}, Variant{"weak on ice", "0.0", "0.0"}})
+  {
+    const TemporaryFolder folder;
+    std::string toml = to_toml(load_robot("ck"));
+    const auto replace = [&toml](const std::string& key, const std::string& value)
+    {
+      int replaced = 0;
+      for (std::size_t at = 0; (at = toml.find("\n" + key + " = ", at)) != std::string::npos; ++replaced)
+      {
+        const std::size_t begin = at + key.size() + 4;
+        toml.replace(begin, toml.find('\n', begin) - begin, value);
+        at = begin;
+      }
+      REQUIRE(replaced >= 2);
+    };
+    replace("torque_limit", variant.torque_limit);
+    replace("friction", variant.friction);
+    Bench bench({"--robot", folder.write("robot.toml", toml), "--config",
+                 folder.write("config.toml", "limits = 'clamp'\nrate_limits = 'clamp'\nevery_sample = true")});
+    REQUIRE(bench.model);
+
+    std::vector<std::pair<std::string, desired_state_t>> motions;
+    const auto add = [&](const std::string& name, const std::function<void(desired_state_t&)>& change)
+    {
+      desired_state_t desired = bench.standing();
+      for (const std::size_t i : {1U, 2U, 3U, 4U})
+        desired.q[i] = i < 3 ? 0.2 : -0.1;
+      change(desired);
+      motions.emplace_back(name, desired);
+    };
+    add("walking", [](auto&) {});
+    add("straight knees, feet at one place", [](auto& d) { d.q.assign(7, 0.0); });
+    add("straight knees, one leg before the other", [](auto& d) { d.q = {0, 0.3, 0.3, -0.3, -0.3, 0, 0}; });
+    add("almost no weight", [](auto& d) { d.base = desired_state_t::GIVEN, d.base_a[1] = -9.81; });
+    add("no weight at all, from the contact", [](auto& d) { d.a = {0, 30, -30, -30, 30, 0, 0}; });
+    add("zero-moment point far outside", [](auto& d) { d.a[6] = 1e4; });
+    add("as fast as numbers go", [](auto& d) { d.v.assign(7, 1e308); });
+    add("as large as numbers go", [](auto& d) { d.q.assign(7, 1e308), d.a.assign(7, -1e308); });
+    add("denormal", [](auto& d) { d.q.assign(7, 5e-324), d.v.assign(7, -5e-324), d.a.assign(7, 5e-324); });
+    add("flight", [](auto& d) { d.left_contact = d.right_contact = 0, d.base = 1, d.base_a[1] = -9.81; });
+    add("flight that is none", [](auto& d) { d.left_contact = d.right_contact = 0, d.base = 1; });
+    add("one heel", [](auto& d) { d.left_contact = 1, d.right_contact = 0; });
+    add("one toe", [](auto& d) { d.left_contact = 0, d.right_contact = 3; });
+    for (std::int8_t pair = 0; pair < 16; ++pair)
+      for (int times = 0; times < 2; ++times)
+        add(fmt::format("contacts {} and {}", pair / 4, pair % 4),
+            [pair, times](auto& d)
+            {
+              d.left_contact = static_cast<std::int8_t>(pair / 4);
+              d.right_contact = static_cast<std::int8_t>(pair % 4);
+              d.load_transfer = d.phase = times;
+            });
+
+    for (std::int8_t method = 1; method <= 9; ++method)
+      for (auto& [name, desired] : motions)
+      {
+        CAPTURE(variant.name, int{method}, name);
+        desired.utime = Bench::now();
+        desired.method = method;
+        const std::size_t commands = bench.commands.size();
+        send_one(bench, desired);
+        if (bench.commands.size() == commands)
+        {
+          CHECK(name != "walking");
+          continue;
+        }
+        const torque_command_t& command = bench.commands.back();
+        CHECK(finite(command));
+        CHECK(command.utime == desired.utime);
+        for (std::size_t j = 0; j < command.torque.size(); ++j)
+          CHECK(std::abs(command.torque[j]) <= bench.model->torque_limits[j]);
+      }
+    check_account(bench);
+  }
+}
+
+TEST_CASE("a log that nobody reads neither delays answers nor the end", "[promises_process]")
+{
+  const TemporaryFolder folder;
+  // a pipe that is full before the daemon writes its first line
+  const std::string pipe = folder.file("errors");
+  REQUIRE(mkfifo(pipe.c_str(), 0600) == 0);
+  const int fd = open(pipe.c_str(), O_RDWR | O_NONBLOCK | O_CLOEXEC);
+  const std::vector<char> filling(4096, '.');
+  while (write(fd, filling.data(), filling.size()) > 0)
+  {
+  }
+  {
+    Bench bench({}, {}, pipe);
+    for (int i = 0; i < 100; ++i)
+    {
+      desired_state_t desired = bench.standing();
+      if (i % 2 == 0)
+        desired.method = 99; // is logged
+      send_one(bench, desired);
+    }
+    CHECK(bench.commands.size() == 50);
+    const auto begin = Clock::now();
+    bench.torqued().signal(SIGTERM);
+    REQUIRE(bench.torqued().wait() == 0);
+    // 100 ms are promised; what the machine adds while other programs use it is not the daemon's
+    CHECK(Clock::now() - begin < std::chrono::seconds(1));
+    CHECK(bench.wait([&] { return bench.statuses.back().state == status_t::STOPPING; }));
+  }
+  close(fd);
+}
+
+TEST_CASE("a log that cannot be written stops nothing", "[promises_process]")
+{
+  Bench bench({}, {}, "/dev/full");
+  desired_state_t bad = bench.standing();
+  bad.method = 99;
+  send_one(bench, bad);
+  send_one(bench, bench.standing());
+  CHECK(bench.commands.size() == 1);
+  check_account(bench);
+}
+
+TEST_CASE("systemd hears READY when the bus is proven, WATCHDOG as long as it carries messages, and STOPPING",
+          "[promises_process]")
+{
+  const TemporaryFolder folder;
+  NotifySocket systemd(folder.file("notify"));
+  Bench bench({}, {"env", systemd.variable()});
+  CHECK(bench.wait([&] { return systemd.heard("WATCHDOG=1") >= 5; }));
+  CHECK(systemd.heard("READY=1") == 1);
+  CHECK(systemd.heard("STOPPING=1") == 0);
+
+  // the loop turns, but the bus is gone
+  shell("ip link set lo down");
+  CHECK(bench.wait([&] { return bench.output().find("deaf") != std::string::npos; }));
+  const int fed = systemd.heard("WATCHDOG=1");
+  bench.hear_for(std::chrono::milliseconds(500));
+  CHECK(systemd.heard("WATCHDOG=1") == fed);
+
+  // and is back
+  shell(kMulticast);
+  CHECK(bench.wait([&] { return bench.output().find("the bus carries messages again") != std::string::npos; }));
+  send_one(bench, bench.standing());
+  CHECK(bench.commands.size() == 1);
+  CHECK(bench.wait([&] { return systemd.heard("WATCHDOG=1") > fed; }));
+
+  bench.torqued().signal(SIGTERM);
+  CHECK(bench.torqued().wait() == 0);
+  CHECK(systemd.heard("STOPPING=1") == 1);
+  CHECK(systemd.heard("READY=1") == 1);
+}
+
+TEST_CASE("two daemons on the same channels notice each other", "[promises_process]")
+{
+  const auto notices = [](const Bench& bench)
+  {
+    return bench.output().find("another daemon") != std::string::npos;
+  };
+  Bench first;
+  bool alone = true;
+  for (int i = 0; i < 3; ++i)
+  {
+    const std::size_t statuses = first.statuses.size();
+    first.wait([&] { return first.statuses.size() > statuses; });
+    alone = alone && !notices(first);
+  }
+  CHECK(alone);
+  Bench second;
+  CHECK(first.wait([&] { return notices(first); }));
+  CHECK(second.wait([&] { return notices(second); }));
+  CHECK(first.output().find("--prefix") != std::string::npos);
+}
+
+TEST_CASE("a process with too few descriptors says so and ends, or works", "[promises_process]")
+{
+  std::set<int> worked;
+  for (int descriptors = 4; descriptors <= 14; ++descriptors)
+  {
+    CAPTURE(descriptors);
+    const TemporaryFolder folder;
+    Process torqued({"prlimit", fmt::format("--nofile={}", descriptors), TORQUED}, folder.file("out"));
+    const std::optional<int> code = torqued.wait(std::chrono::milliseconds(1500));
+    const std::string output = read_file(folder.file("out"));
+    CAPTURE(output);
+    if (!code)
+    {
+      CHECK(output.find("answering ck") != std::string::npos);
+      worked.insert(descriptors);
+      continue;
+    }
+    CHECK(*code == 69);
+    CHECK(output.find("torqued: the LCM bus") != std::string::npos);
+  }
+  CHECK(worked.count(14) == 1);
+  CHECK(worked.count(4) == 0);
+}
+
+TEST_CASE("a bus that a firewall closes ends the start, and a signal ends it at once", "[promises_process]")
+{
+  // the rest of this network goes on: the rule stands in a network of its own
+  const TemporaryFolder folder;
+  const std::string closed =
+      fmt::format("{} && nft add table ip closed && nft 'add chain ip closed input {{ type filter "
+                  "hook input priority 0; }}' && nft add rule ip closed input udp dport 7667 "
+                  "drop && exec {}",
+                  kMulticast, TORQUED);
+  const std::vector<std::string> command{"unshare", "--net", "sh", "-c", closed};
+  Process refused(command, folder.file("refused"));
+  {
+    Process stopped(command, folder.file("stopped"));
+    std::this_thread::sleep_for(std::chrono::milliseconds(500));
+    const auto begin = Clock::now();
+    stopped.signal(SIGTERM);
+    CHECK(stopped.wait() == 0);
+    CHECK(Clock::now() - begin < std::chrono::seconds(1)); // LCM would look for messages for twenty
+  }
+  CHECK(refused.wait() == 69);
+  CHECK(read_file(folder.file("refused")).find("torqued: the LCM bus does not carry messages") != std::string::npos);
+}
+
+TEST_CASE("starved of processor time torqued answers each sample at most once, in order, and loses no account",
+          "[promises_process]")
+{
+  Bench bench({}, {"nice", "-n", "19"});
+  const TemporaryFolder folder;
+  Process stress({"stress-ng", "--quiet", "--cpu", "4", "--timeout", "3"}, folder.file("stress"));
+  stream(bench, std::chrono::milliseconds(2500));
+  CHECK(stress.wait() == 0);
+  bench.hear_for(std::chrono::milliseconds(200));
+  send_one(bench, bench.standing());
+  CHECK(bench.commands.back().utime > Bench::now() - 1'000'000);
+  for (const torque_command_t& command : bench.commands)
+    CHECK(finite(command));
+  check_account(bench);
+}
+
+TEST_CASE("the language of the user changes no number", "[promises_process]")
+{
+  const TemporaryFolder folder;
+  shell(fmt::format("localedef -i de_DE -f UTF-8 {} 2> /dev/null", folder.file("de_DE.UTF-8")));
+  const std::vector<std::string> german{"env", "LOCPATH=" + folder.file(""), "LC_ALL=de_DE.UTF-8"};
+  const auto printed = [&](std::vector<std::string> command)
+  {
+    command.insert(command.end(), {TORQUED, "--print-config", "--robot", "human-subject01"});
+    Process torqued(command, folder.file("out"));
+    REQUIRE(torqued.wait() == 0);
+    return read_file(folder.file("out"));
+  };
+  CHECK(printed(german) == printed({"env"}));
+
+  Bench plain, in_german({"--prefix", ""}, german);
+  desired_state_t desired = plain.standing();
+  desired.method = 77;
+  plain.send(desired);
+  REQUIRE(plain.wait([&] { return plain.rejections.size() == 2; }));
+  CHECK(plain.rejections[0].detail == plain.rejections[1].detail);
+}
+
+#ifdef FAKETIME // and no sanitizer, which would need terabytes of address space
+TEST_CASE("without the memory it needs torqued says so and ends, with it it goes on", "[promises_process]")
+{
+  // threads' stacks are address space, not memory
+  bool worked = false;
+  for (int megabytes = 20; !worked && megabytes <= 1280; megabytes *= 2)
+  {
+    CAPTURE(megabytes);
+    const TemporaryFolder folder;
+    Process torqued({"prlimit", fmt::format("--as={}", megabytes * 1'000'000), TORQUED}, folder.file("out"));
+    const std::optional<int> code = torqued.wait(std::chrono::milliseconds(1500));
+    const std::string output = read_file(folder.file("out"));
+    CAPTURE(output);
+    worked = !code;
+    if (code)
+    {
+      CHECK(*code > 0); // no signal killed it
+      CHECK_FALSE(output.empty());
+    }
+  }
+  CHECK(worked);
+}
+
+TEST_CASE("a wall clock that is an hour off, and jumps by hours, changes nothing", "[promises_process]")
+{
+  const TemporaryFolder folder;
+  const std::string offset = folder.write("offset", "+3600");
+  Bench bench({}, {"env", "LD_PRELOAD=" FAKETIME, "FAKETIME_DONT_FAKE_MONOTONIC=1", "FAKETIME_NO_CACHE=1",
+                   "FAKETIME_TIMESTAMP_FILE=" + offset});
+  const std::int64_t hour = 3'600'000'000;
+  std::int64_t uptime = 0;
+  for (const int hours : {1, 2, -1, 0, 1})
+  {
+    folder.write("offset", fmt::format("{:+}", 3600 * hours));
+    const std::size_t statuses = bench.statuses.size();
+    for (int i = 0; i < 200 || bench.statuses.size() < statuses + 3; ++i)
+      send_one(bench, bench.standing());
+    const status_t& status = bench.statuses.back();
+    const std::int64_t wall =
+        std::chrono::duration_cast<std::chrono::microseconds>(std::chrono::system_clock::now().time_since_epoch())
+            .count();
+    CAPTURE(hours);
+    CHECK(std::abs(status.utime - wall - hours * hour) < 60'000'000); // the daemon does live in another hour
+    CHECK(status.uptime_us > uptime);
+    CHECK(status.uptime_us < uptime + 60'000'000);
+    uptime = status.uptime_us;
+  }
+  // on a shared machine a sample may be late; no other reason is there to refuse one
+  for (const rejection_t& rejection : bench.rejections)
+    CHECK(rejection.reason == rejection_t::STALE);
+  CHECK(bench.rejections.size() < bench.commands.size() / 10);
+  check_account(bench);
+}
+#endif
