@@ -294,7 +294,14 @@ TEST_CASE("what the daemon says arrives as it was said, and damaged not at all",
 
   status_t status{};
   status.version = "1.2.3";
+  status.instance_id = 77;
   check(status, status_t());
+
+  const Bytes bytes = encode(status, buffer);
+  CHECK(read_status_instance(bytes) == 77);
+  CHECK(read_status_instance(bytes.first(24)) == 77);
+  CHECK(read_status_instance(bytes.first(23)) == 0);
+  CHECK(read_status_instance(encode(rejection, buffer)) == 0);
 
   const model_info_t info = model_info(robot, 1, 2, "# settings");
   CHECK(info.num_links == 7);

@@ -5,6 +5,8 @@
 #include <cstring>
 #include <memory>
 #include <spdlog/logger.h>
+#include <spdlog/sinks/ostream_sink.h>
+#include <sstream>
 #include <sys/eventfd.h>
 #include <unistd.h>
 
@@ -18,11 +20,7 @@ class Bench
 {
 public:
   explicit Bench(const Config& config = {})
-      : channels_(config.prefix), log_("test"), loop_(bus_, robot_, config, log_,
-                                                      {.dropped_logs = []
-                                                       {
-                                                         return std::int64_t{5};
-                                                       }})
+      : channels_(config.prefix), log_("test", sink_), loop_(bus_, robot_, config, log_, surroundings())
   {
     for (const std::string& channel :
          {channels_.command, channels_.rejected, channels_.status, channels_.model, channels_.dynamics})
@@ -82,8 +80,20 @@ public:
   std::vector<status_t> statuses;
   std::vector<model_info_t> models;
   std::vector<dynamics_t> dynamics;
+  int healthy = 0;
+  std::string log() const { return lines_.str(); }
+  lcm::LCM& bus() { return bus_; }
 
 private:
+  LcmLoop::Surroundings surroundings()
+  {
+    return {.dropped_logs = [] { return std::int64_t{5}; },
+            .on_healthy =
+                [this]
+            {
+              ++healthy;
+            }};
+  }
   static void sleep(const lcm::ReceiveBuffer* buffer, const std::string&, Bench*)
   {
     int us = 0;
@@ -117,6 +127,8 @@ private:
   Channels channels_;
   Robot robot_ = load_robot("ck");
   lcm::LCM bus_{"memq://"};
+  std::ostringstream lines_;
+  std::shared_ptr<spdlog::sinks::sink> sink_ = std::make_shared<spdlog::sinks::ostream_sink_st>(lines_);
   spdlog::logger log_;
   LcmLoop loop_;
 };
@@ -374,4 +386,49 @@ TEST_CASE("requests for the equation of motion are answered, and none delays a d
   usleep(110'000);
   bench.settle();
   CHECK(bench.statuses.back().received == 1);
+}
+
+TEST_CASE("each status of our own that comes back is a healthy cycle; one of another daemon is named in the log",
+          "[lcm_loop]")
+{
+  Bench bench;
+  bench.settle(); // publishes a status
+  bench.settle(); // hears it
+  CHECK(bench.healthy == 1);
+
+  std::vector<std::byte> buffer;
+  const auto say = [&](std::int64_t instance_id)
+  {
+    status_t status{};
+    status.instance_id = instance_id;
+    status.version = "9";
+    const Bytes bytes = encode(status, buffer);
+    bench.bus().publish("TORQUED_STATUS", bytes.data(), static_cast<unsigned>(bytes.size()));
+    bench.settle();
+  };
+  say(4711);
+  const std::string said = bench.log();
+  CHECK(said.find("another daemon, instance 4711, publishes on TORQUED_STATUS, too") != std::string::npos);
+  say(4711);
+  say(4712);
+  CHECK(bench.log() == said); // and not again at once
+  CHECK(bench.healthy == 1);
+}
+
+TEST_CASE("a repeated refusal is logged once a second, in no more than spdlog keeps without allocating", "[lcm_loop]")
+{
+  Config config;
+  config.robot = "ck";
+  Bench bench(config);
+  desired_state_t unknown = bench.standing(10);
+  unknown.method = 99;
+  for (int i = 0; i < 50; ++i)
+    bench.send(unknown);
+  bench.settle();
+  REQUIRE(bench.rejections.size() == 50);
+  const std::string log = bench.log();
+  CHECK(std::count(log.begin(), log.end(), '\n') == 1);
+  CHECK(log.find("rejected: UNKNOWN_METHOD: method is 99; expected ") != std::string::npos);
+  CHECK(bench.rejections[0].detail.size() > 170); // so that it would be longer
+  CHECK(log.size() < 250 + std::string("[2026-01-01 00:00:00.000] [test] [warning] ").size());
 }
