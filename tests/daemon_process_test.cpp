@@ -95,7 +95,7 @@ TEST_CASE("each kind of bad sample gives one rejection with its reason, and the 
     REQUIRE(bench.wait([&] { return !bench.statuses.empty() && bench.statuses.back().received == all; }));
     CHECK(bench.statuses.back().answered == all / 2);
     CHECK(bench.statuses.back().rejected == all / 2);
-    CHECK(bench.undecoded_ == 0);
+    CHECK(bench.undecoded == 0);
   }
 }
 
@@ -222,7 +222,7 @@ TEST_CASE("torqued runs with every robot that ships: it answers a desired state 
     CHECK(reply.model_id == bench.model->model_id);
     CHECK(reply.n == bench.model->num_coordinates + (bench.model->base_names[0].empty() ? 0 : 2));
     CHECK(reply.num_parameters > 0);
-    CHECK(bench.undecoded_ == 0);
+    CHECK(bench.undecoded == 0);
     bench.torqued().signal(SIGTERM);
     CHECK(bench.torqued().wait() == 0);
   }

@@ -28,61 +28,6 @@ std::vector<std::byte> encoded(const desired_state_t& desired)
   return bytes;
 }
 
-std::size_t disposed(const Bench& bench)
-{
-  return bench.commands.size() + bench.rejections.size();
-}
-
-// sends a sample and waits for what comes of it
-void send_one(Bench& bench, const desired_state_t& desired)
-{
-  const std::size_t before = disposed(bench);
-  bench.send(desired);
-  REQUIRE(bench.wait([&] { return disposed(bench) > before; }));
-}
-
-// a thousand samples a second for this long
-void stream(Bench& bench, std::chrono::milliseconds duration)
-{
-  const auto begin = Clock::now();
-  for (auto next = begin; next < begin + duration; next += std::chrono::milliseconds(1))
-  {
-    while (Clock::now() < next)
-      bench.hear_for(next - Clock::now());
-    bench.send(bench.standing());
-  }
-}
-
-// the account of all samples, as the daemon's last status gives it and as this client heard it
-void check_account(Bench& bench)
-{
-  bench.torqued().signal(SIGTERM);
-  REQUIRE(bench.wait([&] { return !bench.statuses.empty() && bench.statuses.back().state == status_t::STOPPING; }));
-  const status_t& last = bench.statuses.back();
-  CHECK(last.received == last.answered + last.rejected + last.superseded);
-  CHECK(last.answered == static_cast<std::int64_t>(bench.commands.size()));
-  CHECK(last.rejected == static_cast<std::int64_t>(bench.rejections.size()));
-  for (std::size_t i = 1; i < bench.commands.size(); ++i)
-    CHECK(bench.commands[i].utime > bench.commands[i - 1].utime);
-  CHECK(bench.undecoded_ == 0);
-  CHECK(bench.torqued().wait() == 0);
-}
-
-bool finite(const torque_command_t& command)
-{
-  const auto ok = [](double number)
-  {
-    return std::isfinite(number);
-  };
-  const auto reaction = [&](const ground_reaction_t& foot)
-  {
-    return ok(foot.fx) && ok(foot.fz) && ok(foot.moment) && ok(foot.cop) && ok(foot.friction_ratio);
-  };
-  return reaction(command.left) && reaction(command.right) && ok(command.zmp) && ok(command.dynamics_residual) &&
-         ok(command.contact_speed) && ok(command.contact_residual) &&
-         std::all_of(command.torque.begin(), command.torque.end(), ok);
-}
-
 // Runs a command of the shell that must succeed.
 void shell(const std::string& command)
 {
@@ -188,9 +133,9 @@ TEST_CASE("whatever the bytes of a sample, it is counted once and the next good 
     }
   }
   CHECK(bench.commands.empty());
-  send_one(bench, bench.standing());
+  bench.send_one(bench.standing());
   CHECK(bench.commands.size() == 1);
-  check_account(bench);
+  bench.check_account();
 }
 
 TEST_CASE("whatever the motion, its answer is finite and within clamped limits, or it is refused", "[promises_process]")
@@ -260,19 +205,19 @@ TEST_CASE("whatever the motion, its answer is finite and within clamped limits, 
         desired.utime = Bench::now();
         desired.method = method;
         const std::size_t commands = bench.commands.size();
-        send_one(bench, desired);
+        bench.send_one(desired);
         if (bench.commands.size() == commands)
         {
           CHECK(name != "walking");
           continue;
         }
         const torque_command_t& command = bench.commands.back();
-        CHECK(finite(command));
+        CHECK(all_finite(command));
         CHECK(command.utime == desired.utime);
         for (std::size_t j = 0; j < command.torque.size(); ++j)
           CHECK(std::abs(command.torque[j]) <= bench.model->torque_limits[j]);
       }
-    check_account(bench);
+    bench.check_account();
   }
 }
 
@@ -294,7 +239,7 @@ TEST_CASE("a log that nobody reads neither delays answers nor the end", "[promis
       desired_state_t desired = bench.standing();
       if (i % 2 == 0)
         desired.method = 99; // is logged
-      send_one(bench, desired);
+      bench.send_one(desired);
     }
     CHECK(bench.commands.size() == 50);
     const auto begin = Clock::now();
@@ -312,10 +257,10 @@ TEST_CASE("a log that cannot be written stops nothing", "[promises_process]")
   Bench bench({}, {}, "/dev/full");
   desired_state_t bad = bench.standing();
   bad.method = 99;
-  send_one(bench, bad);
-  send_one(bench, bench.standing());
+  bench.send_one(bad);
+  bench.send_one(bench.standing());
   CHECK(bench.commands.size() == 1);
-  check_account(bench);
+  bench.check_account();
 }
 
 TEST_CASE("systemd hears READY when the bus is proven, WATCHDOG as long as it carries messages, and STOPPING",
@@ -338,7 +283,7 @@ TEST_CASE("systemd hears READY when the bus is proven, WATCHDOG as long as it ca
   // and is back
   shell(kMulticast);
   CHECK(bench.wait([&] { return bench.output().find("the bus carries messages again") != std::string::npos; }));
-  send_one(bench, bench.standing());
+  bench.send_one(bench.standing());
   CHECK(bench.commands.size() == 1);
   CHECK(bench.wait([&] { return systemd.heard("WATCHDOG=1") > fed; }));
 
@@ -422,14 +367,12 @@ TEST_CASE("starved of processor time torqued answers each sample at most once, i
   Bench bench({}, {"nice", "-n", "19"});
   const TemporaryFolder folder;
   Process stress({"stress-ng", "--quiet", "--cpu", "4", "--timeout", "3"}, folder.file("stress"));
-  stream(bench, std::chrono::milliseconds(2500));
+  bench.stream(std::chrono::milliseconds(2500));
   CHECK(stress.wait() == 0);
   bench.hear_for(std::chrono::milliseconds(200));
-  send_one(bench, bench.standing());
+  bench.send_one(bench.standing());
   CHECK(bench.commands.back().utime > Bench::now() - 1'000'000);
-  for (const torque_command_t& command : bench.commands)
-    CHECK(finite(command));
-  check_account(bench);
+  bench.check_account();
 }
 
 TEST_CASE("the language of the user changes no number", "[promises_process]")
@@ -490,7 +433,7 @@ TEST_CASE("a wall clock that is an hour off, and jumps by hours, changes nothing
     folder.write("offset", fmt::format("{:+}", 3600 * hours));
     const std::size_t statuses = bench.statuses.size();
     for (int i = 0; i < 200 || bench.statuses.size() < statuses + 3; ++i)
-      send_one(bench, bench.standing());
+      bench.send_one(bench.standing());
     const status_t& status = bench.statuses.back();
     const std::int64_t wall =
         std::chrono::duration_cast<std::chrono::microseconds>(std::chrono::system_clock::now().time_since_epoch())
@@ -505,6 +448,6 @@ TEST_CASE("a wall clock that is an hour off, and jumps by hours, changes nothing
   for (const rejection_t& rejection : bench.rejections)
     CHECK(rejection.reason == rejection_t::STALE);
   CHECK(bench.rejections.size() < bench.commands.size() / 10);
-  check_account(bench);
+  bench.check_account();
 }
 #endif

@@ -16,14 +16,10 @@ namespace
 // and for what cannot be, other daemons' statuses. Waits until each is dealt with.
 void send_all_kinds(Bench& bench)
 {
-  const auto disposed = [&]
-  {
-    return bench.commands.size() + bench.rejections.size();
-  };
   for (int round = 0; round < 20; ++round)
     for (std::int8_t method = 0; method <= 12; ++method)
     {
-      const std::size_t before = disposed();
+      const std::size_t before = bench.disposed();
       desired_state_t desired = bench.standing();
       desired.method = method;
       if (round % 5 == 1)
@@ -39,7 +35,7 @@ void send_all_kinds(Bench& bench)
       if (round % 10 == 6)
         bytes.resize(bytes.size() + static_cast<std::size_t>(100 * method), std::byte{7});
       bench.send(Bytes(bytes));
-      REQUIRE(bench.wait([&] { return disposed() > before; }));
+      REQUIRE(bench.wait([&] { return bench.disposed() > before; }));
     }
 
   const std::size_t replies = bench.dynamics.size();

@@ -1,0 +1,297 @@
+#include "catch.h"
+#include "daemon_bench.h"
+#include "relay.h"
+
+#include <fmt/format.h>
+
+using namespace torqued;
+
+namespace
+{
+
+using namespace std::chrono_literals;
+
+constexpr std::uint16_t kDaemonsPort = 7667;
+constexpr std::uint16_t kClientsPort = 7668;
+constexpr std::int64_t kMaxAge = 20'000; // µs
+
+// A client whose samples reach the daemon through a relay.
+struct BadNetwork
+{
+  explicit BadNetwork(std::uint64_t seed) : relay(kClientsPort, kDaemonsPort, seed) { bench.send_through(bus); }
+
+  Bench bench;
+  lcm::LCM bus{fmt::format("udpm://{}:{}?ttl=0", Relay::kGroup, kClientsPort)};
+  Relay relay;
+};
+
+} // namespace
+
+TEST_CASE(
+    "whatever the network does, each sample is counted once, answered at most once and in order, and good ones are "
+    "answered afterwards",
+    "[network_process]")
+{
+  const std::vector<std::pair<std::string, NetworkFaults>> rows{
+      {"1 % lost", {.loss = 0.01}},
+      {"10 % lost", {.loss = 0.1}},
+      {"50 % lost", {.loss = 0.5}},
+      {"repeated", {.repeat = 0.3}},
+      {"reordered", {.reorder = 0.2}},
+      {"5 ms late, with jitter", {.delay = 5.0, .jitter = 5.0}},
+      {"50 ms late, with jitter", {.delay = 50.0, .jitter = 5.0}},
+      {"damaged", {.corrupt = 0.3}},
+      {"cut", {.truncate = 0.3}},
+      {"all at once",
+       {.loss = 0.1, .repeat = 0.1, .reorder = 0.1, .corrupt = 0.1, .truncate = 0.1, .delay = 2.0, .jitter = 3.0}},
+  };
+  std::uint64_t seed = 1;
+  for (const auto& [name, faults] : rows)
+  {
+    CAPTURE(name, seed);
+    BadNetwork network(seed++);
+    Bench& bench = network.bench;
+    network.relay.set(faults);
+    bench.stream(1000ms);
+    network.relay.set({});
+    const status_t during = bench.settled_status();
+    CHECK(network.relay.received() == 1000);
+    CHECK(network.relay.passed() == 1000 - network.relay.lost() + network.relay.repeated());
+    // a packet whose channel is damaged is none of ours
+    CHECK(during.received <= network.relay.passed());
+    if (network.relay.damaged() == 0)
+      CHECK(during.received == network.relay.passed());
+    CHECK(during.answered > 0);
+    if (faults.repeat > 0.0 || faults.reorder > 0.0)
+      CHECK(bench.rejected(rejection_t::OUT_OF_ORDER) > 0);
+
+    // a silence of 5 max_age, and the stream is anew
+    bench.hear_for(150ms);
+    const std::size_t commands = bench.commands.size();
+    bench.send_one(bench.standing());
+    CHECK(bench.commands.size() == commands + 1);
+    if (network.relay.damaged() > 0)
+    {
+      // of a damaged number that is still a number nobody can know
+      CHECK(std::all_of(bench.commands.begin(), bench.commands.end(), &all_finite));
+      continue;
+    }
+    bench.check_account();
+  }
+}
+
+TEST_CASE("what is late by more than max_age against the freshest of its stream is refused, a constant delay is not",
+          "[network_process]")
+{
+  BadNetwork network(11);
+  Bench& bench = network.bench;
+  network.relay.set({.delay = 50.0});
+  bench.stream(1000ms);
+  network.relay.set({.delay = 50.0, .jitter = 100.0});
+  bench.stream(1000ms);
+  bench.settled_status();
+  // by how much later than the freshest each command was heard here; that includes the way back, and what the machine
+  // did in between
+  const std::int64_t freshest = *std::min_element(bench.ages.begin(), bench.ages.end());
+  CHECK(freshest > 50'000);
+  const auto too_old = std::count_if(bench.ages.begin(), bench.ages.end(),
+                                     [&](std::int64_t age) { return age - freshest > kMaxAge + 30'000; });
+  CHECK(too_old <= static_cast<std::ptrdiff_t>(bench.ages.size() / 100));
+  CHECK(bench.rejected(rejection_t::STALE) + bench.rejected(rejection_t::OUT_OF_ORDER) > 300);
+  CHECK(bench.rejected(rejection_t::STALE) > 0);
+  CHECK(bench.commands.size() > 500); // those of the first second, less what the machine did
+  bench.check_account();
+}
+
+TEST_CASE("a sample that is not later than the one before is refused, and a client that set its clock back heals",
+          "[network_process]")
+{
+  Bench bench;
+  const auto send_at = [&](std::int64_t utime)
+  {
+    desired_state_t desired = bench.standing();
+    desired.utime = utime;
+    bench.send_one(desired);
+  };
+  const std::int64_t hour = 3'600'000'000;
+  bench.send_one(bench.standing());
+  const std::int64_t last = bench.commands.back().utime;
+  send_at(last);             // equal
+  send_at(last - 1);         // backwards
+  send_at(last - 1'000'000); // 1 s old
+  send_at(last - hour);
+  CHECK(bench.commands.size() == 1);
+  CHECK(bench.rejected(rejection_t::OUT_OF_ORDER) == 4);
+
+  send_at(Bench::now() + hour); // by itself a good sample
+  CHECK(bench.commands.size() == 2);
+  bench.send_one(bench.standing());
+  CHECK(bench.commands.size() == 2);
+  CHECK(bench.rejected(rejection_t::OUT_OF_ORDER) == 5);
+  // until nothing was accepted for 5 max_age; samples that are refused do not count
+  const auto begin = Bench::Clock::now();
+  while (bench.commands.size() == 2 && Bench::Clock::now() < begin + 5s)
+  {
+    bench.hear_for(2ms);
+    bench.send_one(bench.standing());
+  }
+  CHECK(bench.commands.size() == 3);
+  CHECK(Bench::Clock::now() - begin > 80ms);
+  bench.check_account(false);
+}
+
+TEST_CASE("of a burst the newest is answered, then silence is STALE", "[network_process]")
+{
+  Bench bench;
+  desired_state_t desired = bench.standing();
+  constexpr int burst = 10'000;
+  for (int i = 0; i < burst; ++i)
+  {
+    desired.utime += 1;
+    bench.send(desired);
+  }
+  bench.hear_for(200ms);
+  const status_t status = bench.settled_status();
+  CHECK(status.received == status.answered + status.rejected + status.superseded);
+  // the system may drop what does not fit into its buffers
+  CHECK(status.received <= burst);
+  CHECK(status.received > 100);
+  CHECK(status.superseded > 0);
+  CHECK(status.state == status_t::STALE);
+  REQUIRE_FALSE(bench.commands.empty());
+  if (status.received == burst)
+    CHECK(bench.commands.back().utime == desired.utime);
+  const std::size_t commands = bench.commands.size();
+  bench.hear_for(200ms);
+  CHECK(bench.commands.size() == commands);
+  bench.check_commands();
+}
+
+TEST_CASE("under a flood torqued keeps its account and its statuses", "[network_process]")
+{
+  Bench bench;
+  const auto begin = Bench::Clock::now();
+  const auto end = begin + 2s;
+  int samples = 0;
+  for (auto next = begin; next < end; next += 25us) // 40 kHz, or what this machine can
+  {
+    while (Bench::Clock::now() < next)
+    {
+    }
+    bench.send(bench.standing());
+    if (++samples % 40 == 0)
+      bench.hear_for(0ms);
+    if (samples % 400 == 0)
+      bench.hear_until(Bench::Clock::now() + 200us);
+    if (Bench::Clock::now() > end)
+      break;
+  }
+  bench.hear_for(300ms);
+  CHECK(samples > 5000);
+  CHECK(bench.statuses.size() >= 5);
+  const status_t status = bench.settled_status();
+  CHECK(status.received == status.answered + status.rejected + status.superseded);
+  CHECK(status.answered > 0);
+  bench.hear_for(150ms);
+  bench.send_one(bench.standing());
+  bench.torqued().signal(SIGTERM);
+  CHECK(bench.torqued().wait() == 0);
+  bench.check_commands();
+}
+
+TEST_CASE("without any input there is a status ten times a second, and nothing else", "[network_process]")
+{
+  Bench bench;
+  const std::size_t before = bench.statuses.size();
+  const std::int64_t uptime = bench.settled_status().uptime_us;
+  bench.hear_for(2000ms);
+  const auto statuses = static_cast<double>(bench.statuses.size() - before);
+  const double seconds = 1e-6 * static_cast<double>(bench.statuses.back().uptime_us - uptime);
+  CHECK(statuses / seconds > 8.0);  // ten, less what other programs take of the machine
+  CHECK(statuses / seconds < 13.0); // and those of the time in which this one settled
+  CHECK(bench.statuses.back().state == status_t::WAITING);
+  CHECK(bench.statuses.back().input_age_us == -1);
+  bench.check_account();
+  CHECK(bench.statuses.back().received == 0);
+}
+
+TEST_CASE("of two clients one is followed, and the other when that one is silent", "[network_process]")
+{
+  Bench bench;
+  desired_state_t other = bench.standing();
+  for (int i = 0; i < 50; ++i)
+  {
+    bench.send_one(bench.standing());
+    other.utime = Bench::now();
+    other.stream_id = 99;
+    bench.send_one(other);
+  }
+  CHECK(bench.commands.size() == 50);
+  CHECK(bench.rejected(rejection_t::OTHER_STREAM) == 50);
+  CHECK(bench.settled_status().conflicts == 50);
+  bench.hear_for(150ms);
+  other.utime = Bench::now();
+  bench.send_one(other);
+  CHECK(bench.commands.back().stream_id == 99);
+  bench.send_one(bench.standing());
+  CHECK(bench.rejected(rejection_t::OTHER_STREAM) == 51);
+  bench.check_account();
+}
+
+TEST_CASE("after SIGSTOP and SIGCONT no command comes for what is older than max_age", "[network_process]")
+{
+  Bench bench;
+  bench.stream(300ms);
+  for (int times = 0; times < 2; ++times)
+  {
+    bench.torqued().signal(SIGSTOP);
+    bench.stream(1000ms);
+    bench.hear_for(50ms);
+    const std::size_t before = bench.commands.size();
+    const std::int64_t superseded = bench.statuses.back().superseded;
+    const std::int64_t stopped_until = Bench::now();
+    bench.torqued().signal(SIGCONT);
+    bench.stream(500ms);
+    REQUIRE(bench.commands.size() > before);
+    // all that was sent while it stood still is older than max_age when it goes on, but for the last 20 ms
+    CHECK(bench.commands[before].utime > stopped_until - kMaxAge - 50'000);
+    CHECK(bench.settled_status().superseded > superseded + 20);
+  }
+  bench.check_account();
+}
+
+TEST_CASE("killed and started anew in the middle of a stream torqued answers again", "[network_process]")
+{
+  Bench bench;
+  bench.stream(200ms);
+  const std::size_t before = bench.commands.size();
+  CHECK(before > 0);
+  const std::int64_t instance = bench.statuses.back().instance_id;
+  bench.start();
+  bench.stream(200ms);
+  REQUIRE(bench.commands.size() > before);
+  CHECK(bench.commands[before].sequence == 1);
+  bench.check_commands();
+  CHECK(bench.settled_status().instance_id != instance);
+}
+
+TEST_CASE("a logger that is killed takes nothing with it but the end of its log", "[network_process]")
+{
+  Bench bench;
+  const TemporaryFolder folder;
+  {
+    Process logger({"lcm-logger", "--quiet", folder.file("log")}, folder.file("out"));
+    bench.hear_for(300ms);
+    bench.stream(500ms);
+    logger.signal(SIGKILL);
+    logger.wait();
+  }
+  bench.stream(200ms);
+  bench.check_account();
+  Process exported({TORQUECTL, "export", folder.file("log"), "--robot", "ck", "-o", folder.file("csv")},
+                   folder.file("export"));
+  const std::optional<int> code = exported.wait();
+  CAPTURE(read_file(folder.file("out")), read_file(folder.file("export")));
+  REQUIRE(code == 0);
+  CHECK(read_file(folder.file("csv")).size() > 10'000);
+}
