@@ -134,11 +134,14 @@ public:
     }
   }
 
+  void publish_bytes(const std::string& channel, Bytes bytes)
+  {
+    bus_.publish(channel, bytes.data(), static_cast<unsigned>(bytes.size()));
+  }
   template <typename Message> void publish(const std::string& channel, const Message& message)
   {
     std::vector<std::byte> buffer;
-    const Bytes bytes = encode(message, buffer);
-    bus_.publish(channel, bytes.data(), static_cast<unsigned>(bytes.size()));
+    publish_bytes(channel, encode(message, buffer));
   }
 
   void ask(std::int64_t request_id)
@@ -193,6 +196,15 @@ public:
     CHECK(std::all_of(commands.begin(), commands.end(), &all_finite));
     CHECK(std::all_of(commands.begin(), commands.end(),
                       [this](const torque_command_t& command) { return sent.count(command.utime) == 1; }));
+  }
+
+  /// Forgets commands, rejections and replies, which long runs would fill the memory with.
+  void forget()
+  {
+    commands.clear();
+    ages.clear();
+    rejections.clear();
+    dynamics.clear();
   }
 
   /// How many rejections were for this reason.

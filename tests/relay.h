@@ -1,6 +1,7 @@
 /// A bad network between two LCM buses of this machine.
 #pragma once
 
+#include <algorithm>
 #include <arpa/inet.h>
 #include <array>
 #include <atomic>
@@ -30,6 +31,7 @@ struct NetworkFaults
   double truncate = 0.0; ///< lose a part of their end
   double delay = 0.0;    ///< each is later by this
   double jitter = 0.0;   ///< and by up to this
+  std::size_t whole = 0; ///< so many bytes at the start of each packet are neither changed nor lost
 };
 
 /// Passes the UDP packets of one multicast port to another. The same seed decides the same about the nth packet.
@@ -135,19 +137,21 @@ private:
       ++lost_;
       return;
     }
-    const Packet whole = packet;
+    const Packet before = packet;
+    const std::size_t whole = std::min(faults.whole, packet.size() - 1);
+    const std::size_t rest = packet.size() - whole;
     if (dice[1] < faults.corrupt)
     {
       std::mt19937_64 bits(static_cast<std::uint64_t>(dice[2] * 1e15));
       for (int count = 1 + static_cast<int>(dice[3] * 8.0); count > 0; --count)
       {
-        const std::uint64_t bit = bits() % (8 * packet.size());
+        const std::uint64_t bit = 8 * whole + bits() % (8 * rest);
         packet[bit / 8] ^= static_cast<std::uint8_t>(1 << bit % 8);
       }
     }
     if (dice[4] < faults.truncate)
-      packet.resize(static_cast<std::size_t>(dice[5] * static_cast<double>(packet.size())));
-    damaged_ += packet != whole ? 1 : 0;
+      packet.resize(whole + static_cast<std::size_t>(dice[5] * static_cast<double>(rest)));
+    damaged_ += packet != before ? 1 : 0;
     const double held_back = dice[6] < faults.reorder ? 5.0 * dice[7] : 0.0;
     const auto due = Clock::now() + milliseconds(faults.delay + faults.jitter * dice[8] + held_back);
     if (dice[9] < faults.repeat)
