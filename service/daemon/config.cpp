@@ -221,9 +221,13 @@ void set_log_level(Config& config, const std::string& level)
 
 Config read_config(const std::string& path)
 {
-  const std::string text = read_text_file(path);
-  const toml::table document = parse_toml(text, path);
-  StrictTable table(document, path);
+  return read_config(read_text_file(path), path);
+}
+
+Config read_config(std::string_view text, const std::string& file)
+{
+  const toml::table document = parse_toml(text, file);
+  StrictTable table(document, file);
   Config config;
   config.robot = read_plain(table, "robot", config.robot);
   config.lcm_url = read_plain(table, "lcm_url", config.lcm_url);

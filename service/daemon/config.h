@@ -22,8 +22,10 @@ struct Config
   AnswerSettings answers;
 };
 
-/// Reads a configuration file. Unknown keys, wrong types and values out of range are refused. Throws FileError.
+/// Reads a configuration file, or its text; file: the name used in complaints. Unknown keys, wrong types and values out
+/// of range are refused. Throws FileError.
 Config read_config(const std::string& path);
+Config read_config(std::string_view text, const std::string& file);
 
 /// Set the default method by its name, the prefix, the log level. Throw std::invalid_argument with what would be right.
 void set_method(Config& config, const std::string& name);
