@@ -52,7 +52,6 @@ void send_all_kinds(Bench& bench)
 
 } // namespace
 
-#ifdef ALLOCATION_GUARD
 TEST_CASE("once it has started, nothing a client sends makes torqued allocate", "[steady_state_process]")
 {
   for (const char* robot : {"ck", "rk", "six-link", "human-subject01"})
@@ -125,4 +124,3 @@ TEST_CASE("between a sample and its command torqued does nothing but receive, se
   }
   CHECK(sent >= 300);
 }
-#endif

@@ -9,7 +9,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   const std::string_view text(reinterpret_cast<const char*>(data), size);
   try
   {
-    torqued::check_usable(torqued::read_toml_robot(text, CORPUS "/toml/input.toml"));
+    torqued::check_usable(torqued::read_toml_robot(text, CORPUS "/toml_robot/input.toml"));
   }
   catch (const torqued::FileError&)
   {

@@ -9,7 +9,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   const std::string_view text(reinterpret_cast<const char*>(data), size);
   try
   {
-    torqued::check_usable(torqued::read_urdf_robot(text, CORPUS "/urdf/input.urdf"));
+    torqued::check_usable(torqued::read_urdf_robot(text, CORPUS "/urdf_robot/input.urdf"));
   }
   catch (const torqued::FileError&)
   {

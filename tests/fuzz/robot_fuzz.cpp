@@ -1,28 +1,15 @@
 #include "robot_fuzz.h"
 
+#include "require.h"
+
 #include "planar/dynamics.h"
 #include "robot/robot_files.h"
 
-#include <cstdio>
-#include <cstdlib>
 #include <exception>
 #include <fmt/format.h>
 
 namespace torqued
 {
-
-namespace
-{
-
-void require(bool holds, std::string_view what)
-{
-  if (holds)
-    return;
-  fmt::print(stderr, "broken promise: {}\n", what);
-  std::abort();
-}
-
-} // namespace
 
 void check_usable(const Robot& robot)
 {
