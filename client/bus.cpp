@@ -3,6 +3,7 @@
 #include "client/failure.h"
 #include "client/subcommands.h"
 #include "wire/bus_trouble.h"
+#include "wire/received.h"
 
 #include <algorithm>
 #include <fmt/format.h>
@@ -64,7 +65,7 @@ try
 {
   // LCM takes channel names for regular expressions
   if (channel == subscription->channel)
-    subscription->handler({static_cast<const std::byte*>(buffer->data), buffer->data_size});
+    subscription->handler(received_bytes(buffer->data, buffer->data_size));
 }
 catch (...)
 {

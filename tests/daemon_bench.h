@@ -7,6 +7,7 @@
 
 #include "client/files.h"
 #include "wire/dynamics_codec.h"
+#include "wire/received.h"
 
 #include <algorithm>
 #include <cmath>
@@ -227,7 +228,7 @@ public:
 private:
   static void hear(const lcm::ReceiveBuffer* buffer, const std::string& channel, Bench* bench)
   {
-    bench->keep(Bytes(static_cast<const std::byte*>(buffer->data), buffer->data_size), channel);
+    bench->keep(received_bytes(buffer->data, buffer->data_size), channel);
   }
 
   void keep(Bytes bytes, const std::string& channel)
@@ -244,8 +245,8 @@ private:
       decoded = decode(bytes, statuses.emplace_back());
     else if (channel == channels_.dynamics)
       decoded = decode(bytes, dynamics.emplace_back());
-    else
-      decoded = decode(bytes, model.emplace());
+    else if (model_info_t said; (decoded = decode(bytes, said)))
+      model = said;
     undecoded += decoded ? 0 : 1;
   }
 

@@ -123,13 +123,31 @@ TEST_CASE("an own pause keeps stream, order and offset, and what waited meanwhil
   CHECK(pass(gate, 7, 0, 0) == "");
   CHECK(pass(gate, 7, 1000, 1000) == "");
   const std::int64_t pause = 12 * kSecond;
-  gate.pause(pause);
   const std::int64_t now = 2000 + pause;
+  gate.pause(pause, now);
   CHECK_FALSE(gate.silent(now));
   CHECK(pass(gate, 8, now, now) == "OTHER_STREAM");
   CHECK(pass(gate, 7, 1000, now) == "OUT_OF_ORDER");
   CHECK(pass(gate, 7, 2000, now) == "STALE");
   CHECK(pass(gate, 7, now, now) == "");
+}
+
+TEST_CASE("what waited through an own pause and belongs to no stream is stale, for it may be of any age",
+          "[stream_gate]")
+{
+  StreamGate gate(kMaxAge);
+  CHECK(pass(gate, 7, 0, 0) == "");
+  const std::int64_t resumed = 2 * kSecond; // silent for a second before, and for another while the process stood still
+  gate.pause(kSecond, resumed);
+  CHECK(pass(gate, 7, kSecond, resumed) == "STALE");
+  CHECK(pass(gate, 7, kSecond + 1000, resumed + 100) == "STALE");
+  CHECK(pass(gate, 7, kSecond + 2000, resumed + 20'000) == "STALE");
+  CHECK(pass(gate, 7, resumed + 20'001, resumed + 20'001) == "");
+
+  // a recorded motion is answered from its first sample on
+  StreamGate every(kMaxAge);
+  every.pause(kSecond, resumed);
+  CHECK(pass(every, 7, 0, resumed, false) == "");
 }
 
 TEST_CASE("stale samples do not keep a stream alive", "[stream_gate]")

@@ -1,5 +1,7 @@
 #include "daemon/lcm_loop.h"
 
+#include "wire/received.h"
+
 #include <algorithm>
 #include <cmath>
 #include <cstring>
@@ -53,7 +55,7 @@ std::int64_t random_id()
 
 Bytes bytes_of(const lcm_recv_buf_t* buffer)
 {
-  return {static_cast<const std::byte*>(buffer->data), buffer->data_size};
+  return received_bytes(buffer->data, buffer->data_size);
 }
 
 } // namespace
@@ -154,7 +156,7 @@ bool LcmLoop::notice_own_stall(std::int64_t now, std::int64_t asleep)
   last_awake_ = now;
   if (static_cast<double>(stood_still) <= 1e6 * config_.max_age)
     return false;
-  gate_.pause(stood_still);
+  gate_.pause(stood_still, now);
   return true;
 }
 

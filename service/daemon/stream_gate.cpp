@@ -45,6 +45,7 @@ std::optional<Refusal> StreamGate::arrive(const Sender& sender, std::int64_t now
   {
     following_ = true;
     stream_id_ = sender.stream_id;
+    began_ = now;
     last_accepted_ = running(now);
     windows_.fill({});
   }
@@ -60,6 +61,12 @@ std::optional<Refusal> StreamGate::accept(std::int64_t utime, std::int64_t arriv
   if (check_age && age > max_age_)
     return Refusal(Reason::stale, "the sample is {} us older than the freshest of the last 10 s; max_age is {} us", age,
                    max_age_);
+  if (check_age && resumed_ && began_ >= *resumed_ && arrival - *resumed_ <= max_age_)
+    return Refusal(
+        Reason::stale,
+        "the stream starts {} us after the daemon itself stood still, so the sample may be of any age; expected "
+        "more than {} us, max_age",
+        arrival - *resumed_, max_age_);
   last_accepted_ = running(arrival);
   return {};
 }

@@ -17,7 +17,9 @@ namespace torqued
 /// then its clock offset, its order and its name are forgotten, and the next sample of whoever starts anew.
 ///
 /// Age: the sender's clock and ours need not agree. A sample's delay is our arrival time minus its utime; its age is
-/// its delay minus the smallest delay of the last 10 s, so the freshest sample seen lately counts as new.
+/// its delay minus the smallest delay of the last 10 s, so the freshest sample seen lately counts as new. What waited
+/// while the process itself did not run, and belongs to no stream whose delays are known, may be of any age: for
+/// max_age after such a pause the samples of a stream that starts anew are stale.
 class StreamGate
 {
 public:
@@ -31,8 +33,12 @@ public:
   /// arrival: when it arrived, or a later time if the process did not run in between.
   std::optional<Refusal> accept(std::int64_t utime, std::int64_t arrival, bool check_age);
 
-  /// The process itself did not run for this long (µs): stream, order and clock offset outlive it.
-  void pause(std::int64_t duration) { paused_ += duration; }
+  /// The process itself did not run for this long (µs), until now: stream, order and clock offset outlive it.
+  void pause(std::int64_t duration, std::int64_t now)
+  {
+    paused_ += duration;
+    resumed_ = now;
+  }
 
   bool following() const { return following_; }
   /// Whether the stream has been silent for so long that the next sample starts anew.
@@ -55,9 +61,11 @@ private:
 
   std::int64_t max_age_;
   std::int64_t paused_ = 0;
+  std::optional<std::int64_t> resumed_; // when the last pause ended
   bool following_ = false;
   std::int64_t stream_id_ = 0;
   std::int64_t last_utime_ = 0;
+  std::int64_t began_ = 0;         // when the stream started anew
   std::int64_t last_accepted_ = 0; // running time
   std::int64_t conflicts_ = 0;
   std::array<Window, 20> windows_;
