@@ -55,6 +55,11 @@ TEST_CASE(
     bench.stream(1000ms);
     network.relay.set({});
     const status_t during = bench.settled_status();
+    const auto reason = [&]
+    {
+      return bench.rejections.empty() ? "" : bench.rejections.back().detail;
+    };
+    CAPTURE(during.answered, during.rejected, during.superseded, reason());
     CHECK(network.relay.received() == 1000);
     CHECK(network.relay.passed() == 1000 - network.relay.lost() + network.relay.repeated());
     // a packet whose channel is damaged is none of ours
@@ -294,4 +299,35 @@ TEST_CASE("a logger that is killed takes nothing with it but the end of its log"
   CAPTURE(read_file(folder.file("out")), read_file(folder.file("export")));
   REQUIRE(code == 0);
   CHECK(read_file(folder.file("csv")).size() > 10'000);
+}
+
+TEST_CASE("packets that end within their channel's name are nobody's messages, and no harm", "[network_process]")
+{
+  Bench bench;
+  std::vector<std::byte> sample;
+  std::string packet("LC02\0\0\0\0TORQUED_DESIRED\0", 24);
+  const Bytes bytes = encode(bench.standing(), sample);
+  packet.append(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+  Relay relay(kClientsPort, kDaemonsPort, 1);
+  const int out = socket(AF_INET, SOCK_DGRAM, 0);
+  sockaddr_in to{};
+  to.sin_family = AF_INET;
+  to.sin_port = htons(kClientsPort);
+  inet_pton(AF_INET, Relay::kGroup, &to.sin_addr);
+  const unsigned char ttl = 0;
+  setsockopt(out, IPPROTO_IP, IP_MULTICAST_TTL, &ttl, sizeof ttl);
+  // of the buffers that whole packets have filled, many are used again
+  for (int round = 0; round < 200; ++round)
+    for (std::size_t size : {packet.size(), std::size_t{9}, std::size_t{16}, std::size_t{23}})
+    {
+      sendto(out, packet.data(), size, 0, reinterpret_cast<const sockaddr*>(&to), sizeof to);
+      bench.hear_for(1ms);
+    }
+  close(out);
+  CHECK(bench.settled_status().received >= 200);
+  bench.hear_for(150ms);
+  bench.send_one(bench.standing());
+  CHECK(bench.torqued().wait(0ms) == std::nullopt);
+  bench.torqued().signal(SIGTERM);
+  CHECK(bench.torqued().wait() == 0);
 }

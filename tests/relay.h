@@ -31,7 +31,9 @@ struct NetworkFaults
   double truncate = 0.0; ///< lose a part of their end
   double delay = 0.0;    ///< each is later by this
   double jitter = 0.0;   ///< and by up to this
-  std::size_t whole = 0; ///< so many bytes at the start of each packet are neither changed nor lost
+  /// So many bytes at the start of each packet are neither changed nor lost: without further ado LCM's magic number, of
+  /// which one changed bit makes a fragment, and fragments are read beyond their end.
+  std::size_t whole = 4;
 };
 
 /// Passes the UDP packets of one multicast port to another. The same seed decides the same about the nth packet.
