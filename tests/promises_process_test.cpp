@@ -377,7 +377,7 @@ TEST_CASE("the language of the user changes no number", "[promises_process]")
 TEST_CASE("a process with too few descriptors says so and ends, or works", "[promises_process]")
 {
   std::set<int> worked;
-  for (int descriptors = 4; descriptors <= 14; ++descriptors)
+  for (int descriptors : {4, 5, 6, 7, 8, 9, 10, 11, 12, 24}) // less those that this process has open, and hands down
   {
     CAPTURE(descriptors);
     const TemporaryFolder folder;
@@ -391,10 +391,15 @@ TEST_CASE("a process with too few descriptors says so and ends, or works", "[pro
       worked.insert(descriptors);
       continue;
     }
+    if (*code == 127)
+    {
+      CHECK(output.find("error while loading shared libraries") != std::string::npos); // torqued has not even begun
+      continue;
+    }
     CHECK(*code == 69);
     CHECK(output.find("torqued: the LCM bus") != std::string::npos);
   }
-  CHECK(worked.count(14) == 1);
+  CHECK(worked.count(24) == 1);
   CHECK(worked.count(4) == 0);
 }
 
