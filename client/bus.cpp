@@ -54,6 +54,11 @@ Bus::Bus(const std::string& url) : mask_while_waiting_(hold_back_stop_signals())
 
 void Bus::subscribe(const std::string& channel, Handler handler)
 {
+  // LCM hears itself first; where it does not, its subscription must not be touched
+  if (lcm_.getFileno() < 0)
+    throw Failure(ExitCode::no_bus, fmt::format("the LCM bus does not carry messages, not even to this process itself: "
+                                                "{}",
+                                                trouble_));
   constexpr int queue = 10'000;
   Subscription& subscription = subscriptions_.emplace_back(Subscription{*this, channel, std::move(handler)});
   lcm_.subscribeFunction(channel, &Subscription::receive, &subscription)->setQueueCapacity(queue);

@@ -334,6 +334,9 @@ TEST_CASE("a bus that a firewall closes ends the start, and a signal ends it at 
                   kMulticast, TORQUED);
   const std::vector<std::string> command{"unshare", "--net", "sh", "-c", closed};
   Process refused(command, folder.file("refused"));
+  std::string for_client = closed;
+  for_client.replace(for_client.rfind(TORQUED), std::string::npos, TORQUECTL " echo");
+  Process client({"unshare", "--net", "sh", "-c", for_client}, folder.file("client"));
   {
     Process stopped(command, folder.file("stopped"));
     // until it waits for signals itself
@@ -347,6 +350,8 @@ TEST_CASE("a bus that a firewall closes ends the start, and a signal ends it at 
     CHECK(code == 0);
     CHECK(Clock::now() - begin < std::chrono::seconds(1)); // LCM would look for messages for twenty
   }
+  CHECK(client.wait() == 69);
+  CHECK(read_file(folder.file("client")).find("torquectl: the LCM bus does not carry messages") != std::string::npos);
   CHECK(refused.wait() == 69);
   CHECK(read_file(folder.file("refused")).find("torqued: the LCM bus does not carry messages") != std::string::npos);
 }
