@@ -54,23 +54,38 @@ Bus::Bus(const std::string& url) : mask_while_waiting_(hold_back_stop_signals())
 
 void Bus::subscribe(const std::string& channel, Handler handler)
 {
+  subscribe(channel, Subscription{*this, [channel](const std::string& heard) { return heard == channel; },
+                                  [handler = std::move(handler)](const std::string&, Bytes message)
+                                  {
+                                    handler(message);
+                                  }});
+}
+
+void Bus::subscribe_ending(const std::string& ending, std::function<void(const std::string&, Bytes)> handler)
+{
+  subscribe(".*" + ending, Subscription{*this, [ending](const std::string& heard) { return heard.ends_with(ending); },
+                                        std::move(handler)});
+}
+
+// LCM takes channel names for regular expressions, so what it hears may be of another one
+void Bus::subscribe(const std::string& pattern, Subscription subscription)
+{
   // LCM hears itself first; where it does not, its subscription must not be touched
   if (lcm_.getFileno() < 0)
     throw Failure(ExitCode::no_bus, fmt::format("the LCM bus does not carry messages, not even to this process itself: "
                                                 "{}",
                                                 trouble_));
   constexpr int queue = 10'000;
-  Subscription& subscription = subscriptions_.emplace_back(Subscription{*this, channel, std::move(handler)});
-  lcm_.subscribeFunction(channel, &Subscription::receive, &subscription)->setQueueCapacity(queue);
+  Subscription& kept = subscriptions_.emplace_back(std::move(subscription));
+  lcm_.subscribeFunction(pattern, &Subscription::receive, &kept)->setQueueCapacity(queue);
 }
 
 void Bus::Subscription::receive(const lcm::ReceiveBuffer* buffer, const std::string& channel,
                                 Subscription* subscription) noexcept
 try
 {
-  // LCM takes channel names for regular expressions
-  if (channel == subscription->channel)
-    subscription->handler(received_bytes(buffer->data, buffer->data_size));
+  if (subscription->is_meant(channel))
+    subscription->handler(channel, received_bytes(buffer->data, buffer->data_size));
 }
 catch (...)
 {

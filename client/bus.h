@@ -32,6 +32,8 @@ public:
   /// Calls a handler with the bytes of each message on a channel, during wait(). The bytes live until it returns; what
   /// it throws comes out of wait().
   void subscribe(const std::string& channel, Handler handler);
+  /// The same for all channels whose names end so: those of any prefix. The handler gets the channel's name, too.
+  void subscribe_ending(const std::string& ending, std::function<void(const std::string&, Bytes)> handler);
   /// Throws Failure, no_bus.
   void publish(const std::string& channel, Bytes message);
 
@@ -50,11 +52,12 @@ private:
   struct Subscription
   {
     Bus& bus;
-    std::string channel;
-    Handler handler;
+    std::function<bool(const std::string&)> is_meant;
+    std::function<void(const std::string&, Bytes)> handler;
     static void receive(const lcm::ReceiveBuffer* buffer, const std::string& channel,
                         Subscription* subscription) noexcept;
   };
+  void subscribe(const std::string& pattern, Subscription subscription);
 
   sigset_t mask_while_waiting_;
   std::string trouble_;

@@ -1,5 +1,6 @@
 #include "client/answer_table.h"
 #include "client/bus.h"
+#include "client/daemons.h"
 #include "client/files.h"
 #include "client/subcommands.h"
 #include "client/tally.h"
@@ -8,7 +9,6 @@
 #include <CLI/CLI.hpp>
 
 #include <algorithm>
-#include <array>
 #include <chrono>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -34,13 +34,6 @@ struct Options
   std::int64_t count = 0;
   bool status = false;
 };
-
-std::string state_name(std::int8_t state)
-{
-  constexpr std::array names{"WAITING", "RUNNING", "STALE", "STOPPING"};
-  const auto index = static_cast<std::size_t>(state);
-  return state >= 0 && index < names.size() ? names[index] : fmt::format("{}", state);
-}
 
 std::string sentence(const rejection_t& rejection)
 {

@@ -34,6 +34,8 @@ Subcommand add_gait(CLI::App& torquectl);
 Subcommand add_project(CLI::App& torquectl);
 Subcommand add_export(CLI::App& torquectl);
 Subcommand add_model(CLI::App& torquectl);
+Subcommand add_status(CLI::App& torquectl);
+Subcommand add_doctor(CLI::App& torquectl);
 
 /// Adds an option --robot that says which robots ship, and what happens without it.
 void add_robot_option(CLI::App& subcommand, std::string& robot, const std::string& without);

@@ -1,0 +1,75 @@
+/// What is wrong with this machine's LCM set-up, and what mends it: from facts to findings.
+#pragma once
+
+#include "client/daemons.h"
+
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace torqued
+{
+
+/// An LCM bus over UDP multicast.
+struct BusUrl
+{
+  std::string address = "239.255.76.67";
+  int port = 7667;
+  int ttl = 0;                    ///< 0: messages do not leave this machine
+  std::optional<int> buffer_size; ///< recv_buf_size, bytes, if it asks for one
+};
+
+/// Reads a URL as LCM does: udpm://[ADDRESS[:PORT]][?ttl=N&recv_buf_size=BYTES]; an empty one means LCM's default.
+/// Throws std::invalid_argument with what is wrong.
+BusUrl read_bus_url(const std::string& url);
+
+/// A network interface.
+struct Interface
+{
+  std::string name;
+  bool up, multicast, loopback; ///< its flags
+};
+
+/// A chain of the firewall, at a hook through which our messages pass, that drops some packets.
+struct DroppingChain
+{
+  std::string family, table, chain; ///< as nft names them
+};
+
+/// What was found out about a bus on this machine.
+struct BusFacts
+{
+  std::string url;     ///< empty: LCM's default
+  std::string set_by;  ///< "--lcm-url", "LCM_DEFAULT_URL"; empty: nobody, it is the default
+  bool has_ip = false; ///< whether the program ip is here, which knows interfaces and route
+  std::vector<Interface> interfaces;
+  std::string route;          ///< name of the interface to which the bus's address leads; empty: none does
+  std::string socket_trouble; ///< why no socket could be opened, bound or joined to the address; empty: it could
+  std::string send_trouble;   ///< why no message could be sent; empty: it could
+  bool came_back = false;     ///< whether that message came back
+  bool is_root = false;
+  std::optional<std::vector<DroppingChain>> firewall; ///< nothing: nft is not here, or shows this user nothing
+  int buffer_size = 0;     ///< bytes that the system grants a socket of LCM's, as SO_RCVBUF counts them
+  int buffer_messages = 0; ///< how many desired states or commands that holds
+  std::string lcm_trouble; ///< why LCM could not be listened to although that message came back; empty: it could
+  std::vector<Daemon> daemons;
+  std::string lcm_version;
+};
+
+struct Finding
+{
+  enum class Grade
+  {
+    good,
+    remark, ///< it works, but perhaps not as meant, or not for long
+    bad
+  };
+  Grade grade;
+  std::string text; ///< a sentence
+  std::string mend; ///< a command that mends it; empty if there is nothing to mend
+};
+
+/// What the facts mean, in the order in which a message passes: bus, interface, message, firewall, buffer, daemons.
+std::vector<Finding> diagnose(const BusFacts& facts);
+
+} // namespace torqued

@@ -1,0 +1,214 @@
+#include "catch.h"
+
+#include "client/diagnosis.h"
+
+#include <algorithm>
+#include <stdexcept>
+
+using namespace torqued;
+
+namespace
+{
+
+using Grade = Finding::Grade;
+
+// A machine on which nothing is wrong, with a bus of its own.
+BusFacts healthy()
+{
+  BusFacts facts;
+  facts.url = "udpm://239.255.76.67:7667?ttl=0";
+  facts.set_by = "LCM_DEFAULT_URL";
+  facts.has_ip = true;
+  facts.interfaces = {{"lo", true, true, true}, {"wlan0", false, true, false}, {"eth0", true, true, false}};
+  facts.route = "lo";
+  facts.came_back = true;
+  facts.buffer_size = 4194304;
+  facts.buffer_messages = 3000;
+  facts.daemons = {Daemon{"", status_t{}, 0.05, {}, {}}};
+  facts.daemons[0].status.version = "0.1.0";
+  facts.lcm_version = "1.3.1";
+  return facts;
+}
+
+// The findings that are not good.
+std::vector<Finding> troubles(const BusFacts& facts)
+{
+  std::vector<Finding> findings = diagnose(facts);
+  findings.erase(
+      std::remove_if(findings.begin(), findings.end(), [](const Finding& one) { return one.grade == Grade::good; }),
+      findings.end());
+  return findings;
+}
+
+// What is wrong, if one thing is.
+Finding trouble(const BusFacts& facts)
+{
+  const std::vector<Finding> all = troubles(facts);
+  REQUIRE(all.size() == 1);
+  return all[0];
+}
+
+bool contains(const std::string& text, const std::string& part)
+{
+  return text.find(part) != std::string::npos;
+}
+
+} // namespace
+
+TEST_CASE("a URL is read as LCM does, and what LCM would not understand is refused", "[diagnosis]")
+{
+  CHECK(read_bus_url("").address == "239.255.76.67");
+  CHECK(read_bus_url("").ttl == 0);
+  CHECK(read_bus_url("udpm://").port == 7667);
+  const BusUrl all = read_bus_url("udpm://224.1.2.3:1234?recv_buf_size=100000&ttl=1&transmit_only=true");
+  CHECK(all.address == "224.1.2.3");
+  CHECK(all.port == 1234);
+  CHECK(all.ttl == 1);
+  CHECK(all.buffer_size == 100000);
+  CHECK(read_bus_url("udpm://239.255.76.67?ttl=2").ttl == 2);
+  CHECK_FALSE(read_bus_url("udpm://239.255.76.67?ttl=2").buffer_size);
+
+  for (const char* bad : {"239.255.76.67:7667", "udpm://10.0.0.1:7667", "udpm://localhost:7667", "memq://",
+                          "udpm://239.255.76.67:port", "udpm://239.255.76.67:70000", "udpm://239.255.76.67:7667?tll=1",
+                          "udpm://239.255.76.67:7667?ttl=", "udpm://239.255.76.67:7667?ttl=256",
+                          "udpm://239.255.76.67:7667?ttl=-1", "udpm://239.255.76.67:7667?ttl=1x"})
+  {
+    CAPTURE(bad);
+    CHECK_THROWS_AS(read_bus_url(bad), std::invalid_argument);
+    BusFacts facts = healthy();
+    facts.url = bad;
+    CHECK(trouble(facts).grade == Grade::bad);
+    CHECK(trouble(facts).mend == "export LCM_DEFAULT_URL='udpm://239.255.76.67:7667?ttl=0'");
+  }
+}
+
+TEST_CASE("nothing is wrong with a healthy machine", "[diagnosis]")
+{
+  CHECK(troubles(healthy()).empty());
+
+  BusFacts outside = healthy();
+  outside.url = "udpm://239.255.76.67:7667?ttl=1";
+  outside.route = "eth0";
+  CHECK(troubles(outside).empty());
+}
+
+TEST_CASE("without a route the address gets one: within this machine, or by an interface that leads out", "[diagnosis]")
+{
+  BusFacts facts = healthy();
+  facts.route = "";
+  facts.came_back = false;
+  facts.socket_trouble = "No such device"; // what follows from it is not said, too
+  CHECK(trouble(facts).grade == Grade::bad);
+  CHECK(trouble(facts).mend == "sudo ip link set lo up multicast on; sudo ip route replace 224.0.0.0/4 dev lo");
+
+  facts.url = "udpm://239.255.76.67:7667?ttl=1";
+  CHECK(trouble(facts).mend == "sudo ip link set eth0 up; sudo ip route replace 224.0.0.0/4 dev eth0");
+  facts.interfaces[2].up = facts.interfaces[2].multicast = false;
+  CHECK(trouble(facts).mend == "sudo ip link set wlan0 up; sudo ip route replace 224.0.0.0/4 dev wlan0");
+  facts.interfaces.resize(1);
+  CHECK(contains(trouble(facts).mend, "ttl=0"));
+}
+
+TEST_CASE("interface and ttl fit each other", "[diagnosis]")
+{
+  BusFacts facts = healthy();
+  facts.route = "eth0";
+  CHECK(trouble(facts).grade == Grade::remark);
+  CHECK(contains(trouble(facts).text, "when it goes down, so does the bus"));
+
+  facts = healthy();
+  facts.url = "udpm://239.255.76.67:7667?ttl=1";
+  CHECK(contains(trouble(facts).text, "no other machine"));
+  CHECK(contains(trouble(facts).mend, "dev eth0"));
+
+  facts = healthy();
+  facts.interfaces[0].multicast = false;
+  CHECK(trouble(facts).mend == "sudo ip link set lo multicast on");
+
+  facts = healthy();
+  facts.route = "eth0";
+  facts.url = "udpm://239.255.76.67:7667?ttl=3";
+  CHECK(trouble(facts).mend == "export LCM_DEFAULT_URL='udpm://239.255.76.67:7667?ttl=1'");
+  facts.set_by = "--lcm-url";
+  CHECK(trouble(facts).mend == "torquectl doctor --lcm-url 'udpm://239.255.76.67:7667?ttl=1'");
+
+  facts = healthy();
+  facts.has_ip = false;
+  facts.interfaces.clear();
+  facts.route = "";
+  CHECK(trouble(facts).grade == Grade::remark);
+  CHECK(contains(trouble(facts).mend, "iproute2"));
+}
+
+TEST_CASE("a firewall is named as far as this user sees it", "[diagnosis]")
+{
+  BusFacts facts = healthy();
+  facts.came_back = false;
+  facts.daemons.clear();
+  CHECK(contains(trouble(facts).mend, "sudo --preserve-env=LCM_DEFAULT_URL"));
+  facts.is_root = true;
+  CHECK(contains(trouble(facts).mend, "nftables"));
+
+  facts.firewall.emplace();
+  CHECK(contains(trouble(facts).mend, "ip -statistics link show lo"));
+  facts.firewall = {{"ip", "filter", "INPUT"}, {"inet", "own", "in"}};
+  facts.send_trouble = "Operation not permitted";
+  CHECK(contains(trouble(facts).text, "(Operation not permitted)"));
+  CHECK(trouble(facts).mend == "sudo nft insert rule ip filter INPUT ip daddr 239.255.76.67 accept; "
+                               "sudo nft insert rule inet own in ip daddr 239.255.76.67 accept");
+}
+
+TEST_CASE("a port that another program holds", "[diagnosis]")
+{
+  BusFacts facts = healthy();
+  facts.socket_trouble = "Address already in use";
+  facts.came_back = false;
+  facts.daemons.clear();
+  CHECK(trouble(facts).grade == Grade::bad);
+  CHECK(contains(trouble(facts).mend, "sport = :7667"));
+}
+
+TEST_CASE("what LCM itself says is not lost", "[diagnosis]")
+{
+  BusFacts facts = healthy();
+  facts.daemons.clear();
+  facts.lcm_trouble = "the LCM bus cannot be opened";
+  CHECK(trouble(facts).grade == Grade::bad);
+  CHECK(trouble(facts).text == facts.lcm_trouble);
+}
+
+TEST_CASE("receive buffers hold 50 ms of a stream, and as much as the URL asks for", "[diagnosis]")
+{
+  BusFacts facts = healthy();
+  facts.buffer_messages = 100; // a sample and its answer in each millisecond
+  CHECK(troubles(facts).empty());
+  facts.buffer_messages = 98;
+  CHECK(trouble(facts).grade == Grade::remark);
+  CHECK(contains(trouble(facts).text, "49 ms"));
+  CHECK(contains(trouble(facts).mend, "net.core.rmem_default"));
+
+  facts = healthy();
+  facts.url = "udpm://239.255.76.67:7667?ttl=0&recv_buf_size=2097152";
+  CHECK(troubles(facts).empty());
+  facts.buffer_size = 425984;
+  CHECK(contains(trouble(facts).text, "2097152 bytes, and gets 212992"));
+  CHECK(trouble(facts).mend == "sudo sysctl --write net.core.rmem_max=2097152");
+}
+
+TEST_CASE("daemons: none is remarkable, two on the same channels are wrong, two with prefixes of their own are not",
+          "[diagnosis]")
+{
+  BusFacts facts = healthy();
+  facts.daemons.clear();
+  CHECK(trouble(facts).grade == Grade::remark);
+
+  facts = healthy();
+  facts.daemons.push_back(facts.daemons[0]);
+  CHECK(trouble(facts).grade == Grade::bad);
+  CHECK(contains(trouble(facts).text, "2 daemons on TORQUED_STATUS"));
+  facts.daemons[1].prefix = "left/";
+  CHECK(troubles(facts).empty());
+  facts.daemons[1].prefix = "";
+  facts.daemons[1].status.state = status_t::STOPPING;
+  CHECK(troubles(facts).empty());
+}
