@@ -158,8 +158,11 @@ bool Daemon::present() const
 void DaemonsHeard::hear_status(const std::string& prefix, Bytes message, Clock::time_point now)
 {
   status_t status;
-  if (!decode(message, status) || (heard_.size() == kMostDaemons && heard_.count(status.instance_id) == 0))
+  if (!decode(message, status))
     return;
+  if (heard_.size() == kMostDaemons && heard_.count(status.instance_id) == 0)
+    heard_.erase(std::min_element(heard_.begin(), heard_.end(),
+                                  [](const auto& a, const auto& b) { return a.second.last < b.second.last; }));
   Heard& heard = heard_[status.instance_id];
   heard.prefix = prefix;
   heard.last = now;
@@ -173,20 +176,18 @@ void DaemonsHeard::hear_status(const std::string& prefix, Bytes message, Clock::
 void DaemonsHeard::hear_model(Bytes message)
 {
   model_info_t model;
-  if (decode(message, model) && (models_.size() < kMostDaemons || models_.count(model.instance_id) != 0))
-    models_[model.instance_id] = std::move(model);
+  if (!decode(message, model))
+    return;
+  if (const auto heard = heard_.find(model.instance_id); heard != heard_.end())
+    heard->second.model = std::move(model);
 }
 
 std::vector<Daemon> DaemonsHeard::at(Clock::time_point now) const
 {
   std::vector<Daemon> daemons;
   for (const auto& [instance, heard] : heard_)
-  {
-    const auto model = models_.find(instance);
     daemons.push_back({heard.prefix, heard.statuses.back(), std::chrono::duration<double>(now - heard.last).count(),
-                       rates(heard.statuses.front(), heard.statuses.back()),
-                       model == models_.end() ? std::nullopt : std::optional(model->second)});
-  }
+                       rates(heard.statuses.front(), heard.statuses.back()), heard.model});
   // of each prefix those that publish first, then those that ended, the last one first
   std::stable_sort(daemons.begin(), daemons.end(),
                    [](const Daemon& a, const Daemon& b)
@@ -205,30 +206,20 @@ std::vector<Daemon> DaemonsHeard::at(Clock::time_point now) const
 
 void subscribe(Bus& bus, const std::optional<std::string>& prefix, DaemonsHeard& daemons)
 {
-  const auto prefix_of = [](const std::string& channel, const std::string& name)
+  const auto subscribe_to = [&bus, prefix](const std::string& name, auto hear)
   {
-    return channel.substr(0, channel.size() - name.size());
+    bus.subscribe_ending(name,
+                         [=](const std::string& channel, Bytes message)
+                         {
+                           const std::string its_prefix = channel.substr(0, channel.size() - name.size());
+                           if (!prefix || its_prefix == *prefix)
+                             hear(its_prefix, message);
+                         });
   };
   const Channels plain;
-  const auto hear_status = [&daemons, plain, prefix_of](const std::string& channel, Bytes message)
-  {
-    daemons.hear_status(prefix_of(channel, plain.status), message, Bus::Clock::now());
-  };
-  const auto hear_model = [&daemons](const std::string&, Bytes message)
-  {
-    daemons.hear_model(message);
-  };
-  if (prefix)
-  {
-    const Channels channels(*prefix);
-    bus.subscribe(channels.status, [=](Bytes message) { hear_status(channels.status, message); });
-    bus.subscribe(channels.model, [=](Bytes message) { hear_model(channels.model, message); });
-  }
-  else
-  {
-    bus.subscribe_ending(plain.status, hear_status);
-    bus.subscribe_ending(plain.model, hear_model);
-  }
+  subscribe_to(plain.status, [&daemons](const std::string& its_prefix, Bytes message)
+               { daemons.hear_status(its_prefix, message, Bus::Clock::now()); });
+  subscribe_to(plain.model, [&daemons](const std::string&, Bytes message) { daemons.hear_model(message); });
 }
 
 } // namespace torqued

@@ -42,6 +42,7 @@ public:
   using Clock = Bus::Clock;
 
   void hear_status(const std::string& prefix, Bytes message, Clock::time_point now);
+  /// Of a daemon whose status was heard before; others' are dropped.
   void hear_model(Bytes message);
 
   /// All that publish, and of each prefix without one the one that fell silent last; by prefix and instance_id.
@@ -53,9 +54,9 @@ private:
     std::string prefix;
     std::deque<status_t> statuses; // of the last second, the newest at the end
     Clock::time_point last;
+    std::optional<model_info_t> model;
   };
   std::map<std::int64_t, Heard> heard_;
-  std::map<std::int64_t, model_info_t> models_;
 };
 
 /// The daemons on one page, for the eye: what each computes, its counts in all and per second, its latencies, and what

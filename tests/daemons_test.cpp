@@ -3,6 +3,7 @@
 
 #include "client/daemons.h"
 
+#include <algorithm>
 #include <limits>
 
 using namespace torqued;
@@ -167,6 +168,8 @@ TEST_CASE("whatever a stranger publishes as a status is shown as plain text, and
   heard.hear_status("", Bytes(), kStart);
   heard.hear_model(Bytes());
   for (std::int64_t instance = 0; instance < 1000; ++instance)
-    hear(heard, status(instance, 1.0, 0), kStart);
-  CHECK(heard.at(kStart).size() == 100);
+    hear(heard, status(instance, 1.0, 0), at(1e-6 * static_cast<double>(instance)));
+  const std::vector<Daemon> kept = heard.at(at(0.001));
+  CHECK(kept.size() == 100);
+  CHECK(std::all_of(kept.begin(), kept.end(), [](const Daemon& one) { return one.status.instance_id >= 900; }));
 }
