@@ -99,7 +99,11 @@ ExitCode dynamics(const Options& options)
   if (!path.ends_with(".json") && !path.ends_with(".jsonl") && path != "-")
     throw Failure(ExitCode::usage,
                   fmt::format("-o: found \"{}\"; expected a name that ends in .json or .jsonl, or -", path));
-  const auto [config, robot, trajectory] = read_offline_input(options.offline);
+  // no structured binding: before Clang 16 no lambda captures one
+  const OfflineInput input = read_offline_input(options.offline);
+  const Config& config = input.config;
+  const Robot& robot = input.robot;
+  const Trajectory& trajectory = input.trajectory;
   const std::vector<BaseParameter> parameters =
       options.regressor ? base_parameters(robot) : std::vector<BaseParameter>();
   const Coordinates coordinates = options.coordinates == "absolute" ? Coordinates::absolute : Coordinates::relative;
