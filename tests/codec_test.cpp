@@ -404,3 +404,20 @@ TEST_CASE("messages on the fast path stay within one Ethernet frame for the larg
   rejection.detail.resize(Refusal(Reason::stale, "{}", std::string(1000, 'x')).detail().size());
   CHECK(rejection.getEncodedSize() < 1400);
 }
+
+TEST_CASE("a text ends with its only zero, whatever else its bytes are", "[codec]")
+{
+  rejection_t rejection{};
+  rejection.detail = "ab";
+  std::vector<std::byte> bytes;
+  encode(rejection, bytes);
+  const std::size_t last = bytes.size() - 1;
+  rejection_t heard;
+  CHECK(decode(bytes, heard));
+  bytes[last - 1] = std::byte{0xff};
+  CHECK(decode(bytes, heard));
+  bytes[last - 1] = std::byte{0};
+  CHECK_FALSE(decode(bytes, heard));
+  bytes[last - 1] = bytes[last] = std::byte{'c'};
+  CHECK_FALSE(decode(bytes, heard));
+}

@@ -6,6 +6,7 @@
 #include "wire/codec.h"
 #include "wire/finite.h"
 
+#include <algorithm>
 #include <bit>
 #include <optional>
 
@@ -45,11 +46,17 @@ public:
     ok_ = ok_ && value >= 0 && value <= most;
     return ok_ ? static_cast<std::size_t>(value) : 0;
   }
+  /// A text ends with a zero, and has none inside: LCM's encoders would cut it there.
   void skip_text()
   {
     const std::size_t start = at_;
     const std::uint64_t length = unsigned_integer(4);
-    ok_ = ok_ && length >= 1 && length <= bytes_.size() - at_ && bytes_[at_ + length - 1] == std::byte{0};
+    ok_ = ok_ && length >= 1 && length <= bytes_.size() - at_;
+    if (ok_)
+    {
+      const Bytes text = bytes_.subspan(at_, length);
+      ok_ = std::find(text.begin(), text.end(), std::byte{0}) == text.end() - 1;
+    }
     skip(ok_ ? length : bytes_.size() - start + 1);
   }
   void skip_texts(std::size_t count)

@@ -13,7 +13,6 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
-#include <cstring>
 #include <vector>
 
 using namespace torqued;
@@ -140,7 +139,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   const int kind = data[2] % 8;
   const bool right = data[3] % 2 == 0;
   std::vector<std::byte> message(size - 4);
-  std::memcpy(message.data(), data + 4, size - 4);
+  std::transform(data + 4, data + size, message.begin(), [](std::uint8_t byte) { return std::byte{byte}; });
 
   if (kind <= 1)
   {
