@@ -51,17 +51,19 @@ std::optional<Refusal> apply_limits(const Robot& robot, const AnswerSettings& se
   for (int j = 0; j < robot.num_joints(); ++j)
   {
     const Actuator& actuator = robot.actuators[static_cast<std::size_t>(j)];
-    if (std::abs(torque(j)) > actuator.torque_limit * rounding)
+    const bool is_over = std::abs(torque(j)) > actuator.torque_limit * rounding;
+    if (is_over)
     {
       flags |= flag::over_torque;
       if (settings.limits == OnExcess::refuse)
         return Refusal(Reason::over_limit, "{} would need {:.4g} N m; its torque limit is {:.4g} N m", actuator.name,
                        torque(j), actuator.torque_limit);
-      if (settings.limits == OnExcess::clamp)
-      {
-        flags |= flag::clamped;
-        torque(j) = std::clamp(torque(j), -actuator.torque_limit, actuator.torque_limit);
-      }
+    }
+    if (settings.limits == OnExcess::clamp)
+    {
+      // also what is over by no more than rounding: a clamped torque keeps its limit to the last bit
+      flags |= is_over ? flag::clamped : 0;
+      torque(j) = std::clamp(torque(j), -actuator.torque_limit, actuator.torque_limit);
     }
 
     const double step = actuator.rate_limit * dt;
