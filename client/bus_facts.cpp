@@ -9,7 +9,6 @@
 #include <cstdlib>
 #include <cstring>
 #include <fmt/format.h>
-#include <memory>
 #include <netinet/in.h>
 #include <nlohmann/json.hpp>
 #include <poll.h>

@@ -56,6 +56,7 @@ struct BusFacts
   std::string lcm_version;
 };
 
+/// One sentence about the bus, and how good or bad that is.
 struct Finding
 {
   enum class Grade
