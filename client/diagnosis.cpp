@@ -189,6 +189,8 @@ private:
       return say(Grade::remark,
                  fmt::format("the bus asks for receive buffers of {} bytes, and gets {}", *url_.buffer_size, granted),
                  fmt::format("sudo sysctl --write net.core.rmem_max={}", *url_.buffer_size));
+    if (facts_.buffer_messages == 0)
+      return; // nothing reached it: what closes the bus, closes this way, too
     // a controller that asks and is answered a thousand times a second hears twice as many messages, its own among them
     constexpr int per_millisecond = 2, enough = 50; // ms
     const int lasts = facts_.buffer_messages / per_millisecond;

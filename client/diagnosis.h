@@ -50,7 +50,7 @@ struct BusFacts
   bool is_root = false;
   std::optional<std::vector<DroppingChain>> firewall; ///< nothing: nft is not here, or shows this user nothing
   int buffer_size = 0;     ///< bytes that the system grants a socket of LCM's, as SO_RCVBUF counts them
-  int buffer_messages = 0; ///< how many desired states or commands that holds
+  int buffer_messages = 0; ///< how many desired states or commands that holds; 0: they did not reach it
   std::string lcm_trouble; ///< why LCM could not be listened to although that message came back; empty: it could
   std::vector<Daemon> daemons;
   std::string lcm_version;
