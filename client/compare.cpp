@@ -1,6 +1,7 @@
 #include "client/files.h"
 #include "client/measured.h"
 #include "client/offline.h"
+#include "client/outcome.h"
 #include "client/subcommands.h"
 
 #include <CLI/CLI.hpp>
@@ -29,102 +30,20 @@ struct Options
   std::string json;
 };
 
-// What feet do together, by a short name.
-std::string_view phase_name(const Support& support)
-{
-  const Contact leading = support.of(support.leading), trailing = support.of(support.trailing());
-  if (leading == Contact::none && trailing == Contact::none)
-    return "flight";
-  if (leading == Contact::none || trailing == Contact::none)
-    return "SSP";
-  if (leading == Contact::sole && trailing == Contact::sole)
-    return "flat";
-  return trailing == Contact::sole ? "DSP1" : leading == Contact::sole ? "DSP2" : "points";
-}
-
 // What one method makes of a motion.
-struct Outcome
+struct MethodRun
 {
   std::string method;
-  std::vector<std::optional<Answer>> answers; // by sample
-  std::vector<double> jumps;                  // N m, of each kind of change
-  double peak = 0.0;                          // N m
-  double effort = 0.0;                        // ∫ Σ τ² dt, N² m² s
-  int answered = 0;
-  int double_support = 0, held = 0, relaxed = 0; // answered samples: all; no foot slips, lifts or tips; RELAXED
+  Answers answers;
+  Outcome outcome;
 };
 
-// The changes of contacts in a motion: kinds in the order in which they come.
-struct Changes
+MethodRun run_method(const Robot& robot, const AnswerSettings& settings, const std::vector<DesiredState>& states,
+                     const Changes& changes, std::string name)
 {
-  std::vector<std::string> kinds;
-  std::vector<int> at;      // of each sample: the kind of change that it begins; −1 for none
-  std::int64_t longest = 0; // µs between the samples before and after a change
-};
-
-Changes find_changes(const std::vector<DesiredState>& states)
-{
-  Changes changes;
-  changes.at.assign(states.size(), -1);
-  for (std::size_t i = 1; i < states.size(); ++i)
-  {
-    if (states[i].support.contact == states[i - 1].support.contact)
-      continue;
-    const std::string kind = fmt::format("{}→{}", phase_name(states[i - 1].support), phase_name(states[i].support));
-    const auto known = std::find(changes.kinds.begin(), changes.kinds.end(), kind);
-    changes.at[i] = static_cast<int>(known - changes.kinds.begin());
-    if (known == changes.kinds.end())
-      changes.kinds.push_back(kind);
-    changes.longest = std::max(changes.longest, states[i].utime - states[i - 1].utime);
-  }
-  return changes;
-}
-
-std::vector<std::optional<Answer>> answer_all(const Robot& robot, const AnswerSettings& settings,
-                                              const std::vector<DesiredState>& states)
-{
-  std::vector<std::optional<Answer>> answers;
-  StreamMemory memory;
-  for (DesiredState desired : states)
-  {
-    desired.method = settings.methods.method;
-    const Result<Answer> result = answer(robot, settings, desired, memory);
-    const Answer* found = std::get_if<Answer>(&result);
-    answers.push_back(found ? std::optional(*found) : std::nullopt);
-  }
-  return answers;
-}
-
-Outcome run(const Robot& robot, const AnswerSettings& settings, const std::vector<DesiredState>& states,
-            const Changes& changes, std::string name)
-{
-  Outcome outcome{.method = std::move(name),
-                  .answers = answer_all(robot, settings, states),
-                  .jumps = std::vector<double>(changes.kinds.size(), 0.0)};
-  for (std::size_t i = 0; i < states.size(); ++i)
-  {
-    const std::optional<Answer>& found = outcome.answers[i];
-    if (!found)
-      continue;
-    ++outcome.answered;
-    outcome.peak = std::max(outcome.peak, found->torque.cwiseAbs().maxCoeff());
-    if (i > 0 && outcome.answers[i - 1])
-    {
-      const VectorJ& before = outcome.answers[i - 1]->torque;
-      const double dt = 1e-6 * static_cast<double>(states[i].utime - states[i - 1].utime);
-      outcome.effort += 0.5 * dt * (found->torque.squaredNorm() + before.squaredNorm());
-      if (const int kind = changes.at[i]; kind >= 0)
-        outcome.jumps[static_cast<std::size_t>(kind)] =
-            std::max(outcome.jumps[static_cast<std::size_t>(kind)], (found->torque - before).cwiseAbs().maxCoeff());
-    }
-    if (states[i].support.redundancy() > 0)
-    {
-      ++outcome.double_support;
-      outcome.held += (found->flags & (flag::slips | flag::lifts | flag::tips)) == 0 ? 1 : 0;
-      outcome.relaxed += (found->flags & flag::relaxed) != 0 ? 1 : 0;
-    }
-  }
-  return outcome;
+  Answers answers = answer_all(robot, settings, states);
+  Outcome outcome = outcome_of(robot, states, answers, changes);
+  return {std::move(name), std::move(answers), std::move(outcome)};
 }
 
 std::string share(int part, int whole)
@@ -236,16 +155,16 @@ void print_agreement(const std::vector<Channel>& channels, bool published, const
   print(table);
 }
 
-void print_agreements(const std::vector<Channel>& channels, const std::vector<Outcome>& outcomes,
+void print_agreements(const std::vector<Channel>& channels, const std::vector<MethodRun>& runs,
                       const std::vector<Part>& parts)
 {
   if (channels.empty())
     return;
   std::vector<Compared> methods;
-  for (const Outcome& outcome : outcomes)
-    methods.push_back({outcome.method, [&outcome](const Channel& channel)
+  for (const MethodRun& run : runs)
+    methods.push_back({run.method, [&run](const Channel& channel)
                        {
-                         return values(channel, outcome.answers);
+                         return values(channel, run.answers);
                        }});
   std::vector<Compared> plates_first = methods;
   const auto from_plates = [&channels](int joint)
@@ -277,12 +196,13 @@ Json json(const Agreement& agreement)
 }
 
 void write_json(const std::string& path, const Robot& robot, const std::vector<DesiredState>& states,
-                const Changes& changes, const std::vector<Outcome>& outcomes, const std::vector<Channel>& channels,
+                const Changes& changes, const std::vector<MethodRun>& runs, const std::vector<Channel>& channels,
                 const std::vector<Part>& parts)
 {
   Json methods = Json::array();
-  for (const Outcome& outcome : outcomes)
+  for (const MethodRun& run : runs)
   {
+    const Outcome& outcome = run.outcome;
     Json jumps = Json::object();
     for (std::size_t kind = 0; kind < changes.kinds.size(); ++kind)
       jumps[changes.kinds[kind]] = outcome.jumps[kind];
@@ -294,9 +214,9 @@ void write_json(const std::string& path, const Robot& robot, const std::vector<D
                             {"unit", channel.unit},
                             {"range", channel.range()}});
       for (const Part& part : parts)
-        agreements.back()[part.key] = json(agreement(channel, values(channel, outcome.answers), part.chosen));
+        agreements.back()[part.key] = json(agreement(channel, values(channel, run.answers), part.chosen));
     }
-    methods.push_back({{"method", outcome.method},
+    methods.push_back({{"method", run.method},
                        {"answered", outcome.answered},
                        {"jumps", std::move(jumps)},
                        {"peak", outcome.peak},
@@ -311,17 +231,18 @@ void write_json(const std::string& path, const Robot& robot, const std::vector<D
   out.close();
 }
 
-void print_outcomes(const Changes& changes, const std::vector<Outcome>& outcomes)
+void print_outcomes(const Changes& changes, const std::vector<MethodRun>& runs)
 {
   std::vector<std::vector<std::string>> rows{{"method"}};
   for (const std::string& kind : changes.kinds)
     rows[0].push_back(kind);
   for (const char* column : {"peak", "∫τ²dt", "contacts held", "relaxed"})
     rows[0].emplace_back(column);
-  for (const Outcome& outcome : outcomes)
+  for (const MethodRun& run : runs)
   {
+    const Outcome& outcome = run.outcome;
     std::vector<std::string>& row = rows.emplace_back();
-    row.push_back(outcome.method);
+    row.push_back(run.method);
     for (const double torque : outcome.jumps)
       row.push_back(outcome.answered > 0 ? jump(torque) : "-");
     row.push_back(outcome.answered > 0 ? fmt::format("{:.1f}", outcome.peak) : "-");
@@ -344,11 +265,11 @@ ExitCode compare(const Options& options)
   const auto [config, robot, trajectory] = read_offline_input(options.offline);
   const std::vector<DesiredState> states = decode_all(robot, trajectory);
   const std::vector<Channel> channels =
-      read_channels(read_file(options.offline.file), options.offline.file, robot, states);
+      read_measured(read_file(options.offline.file), options.offline.file, robot, states).channels;
   const Changes changes = find_changes(states);
 
   flush_denormals();
-  std::vector<Outcome> outcomes;
+  std::vector<MethodRun> runs;
   AnswerSettings settings = config.answers;
   for (const NamedMethod& known : kMethods)
   {
@@ -356,10 +277,10 @@ ExitCode compare(const Options& options)
     if (known.method == Method::constrained && settings.methods.constrained.windows)
     {
       settings.methods.constrained.windows = false;
-      outcomes.push_back(run(robot, settings, states, changes, fmt::format("{}, no windows", known.name)));
+      runs.push_back(run_method(robot, settings, states, changes, fmt::format("{}, no windows", known.name)));
       settings.methods.constrained.windows = true;
     }
-    outcomes.push_back(run(robot, settings, states, changes, std::string(known.name)));
+    runs.push_back(run_method(robot, settings, states, changes, std::string(known.name)));
   }
 
   std::vector<Part> parts{{"double_support", "in double support", {}},
@@ -372,15 +293,15 @@ ExitCode compare(const Options& options)
   {
     const auto in_double_support = std::count(parts[0].chosen.begin(), parts[0].chosen.end(), true);
     fmt::print("{}: {} samples, {} of them in double support\n\n", robot.name, states.size(), in_double_support);
-    print_outcomes(changes, outcomes);
-    print_agreements(channels, outcomes, parts);
+    print_outcomes(changes, runs);
+    print_agreements(channels, runs, parts);
   }
   if (!options.json.empty())
-    write_json(options.json, robot, states, changes, outcomes, channels, parts);
-  for (const Outcome& outcome : outcomes)
-    if (outcome.answered < static_cast<int>(states.size()))
-      note(fmt::format("{}: {} of {} samples were not answered; torquectl eval --method says why", outcome.method,
-                       states.size() - static_cast<std::size_t>(outcome.answered), states.size()));
+    write_json(options.json, robot, states, changes, runs, channels, parts);
+  for (const MethodRun& run : runs)
+    if (run.outcome.answered < static_cast<int>(states.size()))
+      note(fmt::format("{}: {} of {} samples were not answered; torquectl eval --method says why", run.method,
+                       states.size() - static_cast<std::size_t>(run.outcome.answered), states.size()));
   return ExitCode::done;
 }
 

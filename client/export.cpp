@@ -1,6 +1,7 @@
 #include "client/answer_table.h"
 #include "client/files.h"
 #include "client/lcm_log.h"
+#include "client/recorded.h"
 #include "client/subcommands.h"
 #include "client/tally.h"
 #include "client/trajectory.h"
@@ -10,13 +11,9 @@
 
 #include <Eigen/LU>
 #include <algorithm>
-#include <deque>
 #include <fmt/format.h>
-#include <map>
 #include <memory>
 #include <optional>
-#include <utility>
-#include <variant>
 
 namespace torqued
 {
@@ -29,27 +26,6 @@ struct Options
   std::string log, out, robot;
   std::optional<std::string> prefix;
 };
-
-using LoggedAnswer = std::variant<torque_command_t, rejection_t>;
-
-// The answers of a log, in its order, by stream_id and utime. A desired state that was repeated has several.
-using Answers = std::map<std::pair<std::int64_t, std::int64_t>, std::deque<LoggedAnswer>>;
-
-Answers read_answers(std::string_view bytes, const Channels& channels)
-{
-  Answers answers;
-  LogReader log(bytes);
-  while (const auto record = log.next())
-  {
-    torque_command_t command;
-    rejection_t rejection;
-    if (record->channel == channels.command && decode(record->data, command))
-      answers[{command.stream_id, command.utime}].emplace_back(std::move(command));
-    else if (record->channel == channels.rejected && decode(record->data, rejection))
-      answers[{rejection.stream_id, rejection.utime}].emplace_back(std::move(rejection));
-  }
-  return answers;
-}
 
 // Desired states as cells of a CSV that can be read as a trajectory again.
 class StateTable
@@ -147,22 +123,20 @@ model_info_t robot_of(const Trajectory& trajectory, const std::string& robot)
   return *trajectory.recorded_model;
 }
 
-// takes the next answer to a desired state and counts it
-std::vector<std::string> next_answer(Answers& answers, const desired_state_t& state, const model_info_t& model,
+// the next answer to a desired state as cells; counts it
+std::vector<std::string> next_answer(RecordedAnswers& answers, const desired_state_t& state, const model_info_t& model,
                                      const std::string& place, Tally& tally)
 {
   const auto joints = static_cast<std::size_t>(model.num_joints);
-  const auto found = answers.find({state.stream_id, state.utime});
-  if (found == answers.end() || found->second.empty())
+  const std::optional<RecordedAnswer> answer = answers.next(state);
+  if (!answer)
     return rejected_cells(joints, "NO_ANSWER");
-  const LoggedAnswer answer = std::move(found->second.front());
-  found->second.pop_front();
-  if (const auto* rejection = std::get_if<rejection_t>(&answer))
+  if (const auto* rejection = std::get_if<rejection_t>(&answer->message))
   {
     tally.reject(rejection->reason, fmt::format("{}: {}", place, printable(rejection->detail)));
     return rejected_cells(joints, reason_name(rejection->reason));
   }
-  const auto& command = std::get<torque_command_t>(answer);
+  const auto& command = std::get<torque_command_t>(answer->message);
   if (command.num_joints != model.num_joints)
     throw Failure(ExitCode::bad_data, fmt::format("{}: was answered with {} torques; expected {}, those of {}", place,
                                                   command.num_joints, model.num_joints, printable(model.name)));
@@ -184,7 +158,7 @@ ExitCode export_log(const Options& options)
   for (const std::string& line : notes(trajectory, model.name, model.model_id))
     note(line);
 
-  Answers answers = read_answers(bytes, channels);
+  RecordedAnswers answers(bytes, channels);
   const StateTable table(model, trajectory);
   OutputFile csv(options.out);
   const auto write_row = [&csv](std::vector<std::string> cells, const std::vector<std::string>& more)

@@ -73,7 +73,7 @@ std::map<std::string, std::vector<double>> read_columns(std::string_view text, c
 
 // the torques, by sample, that the measured wrenches leave to the motors
 std::vector<VectorJ> bottom_up(const Robot& robot, const std::vector<DesiredState>& states,
-                               const std::array<const std::vector<double>*, 6>& plates)
+                               const std::array<std::vector<double>, 6>& plates)
 {
   std::vector<VectorJ> torques;
   for (std::size_t i = 0; i < states.size(); ++i)
@@ -88,7 +88,7 @@ std::vector<VectorJ> bottom_up(const Robot& robot, const std::vector<DesiredStat
     std::array<Eigen::Vector3d, 2> ground;
     for (std::size_t side = 0; side < 2; ++side)
       for (std::size_t k = 0; k < 3; ++k)
-        ground[side](static_cast<Eigen::Index>(k)) = (*plates[3 * side + k])[i];
+        ground[side](static_cast<Eigen::Index>(k)) = plates[3 * side + k][i];
     torques.emplace_back(newton_euler(robot, states[i].q, motion->v, motion->a, ground).torque +
                          joint_friction(robot, motion->v, motion->a));
   }
@@ -115,8 +115,8 @@ double Channel::range() const
   return most < least ? NAN : most - least;
 }
 
-std::vector<Channel> read_channels(std::string_view bytes, const std::string& file, const Robot& robot,
-                                   const std::vector<DesiredState>& states)
+Measured read_measured(std::string_view bytes, const std::string& file, const Robot& robot,
+                       const std::vector<DesiredState>& states)
 {
   if (LogReader::is_log(bytes))
     return {};
@@ -126,14 +126,14 @@ std::vector<Channel> read_channels(std::string_view bytes, const std::string& fi
       wanted.push_back(column);
   auto columns = read_columns(bytes, file, wanted);
 
-  std::vector<Channel> channels;
+  Measured measured;
+  auto& [channels, plates] = measured;
   const auto add_moments = [&](int joint, bool published, std::vector<double> values)
   {
     const std::string& name = robot.actuators[static_cast<std::size_t>(joint)].name;
     channels.push_back({name, kind_of(name), published, "N m", Side::left, -1, joint, std::move(values)});
   };
 
-  std::array<const std::vector<double>*, 6> plates{};
   std::vector<std::string> absent;
   for (std::size_t k = 0; k < kPlates.size(); ++k)
   {
@@ -141,7 +141,7 @@ std::vector<Channel> read_channels(std::string_view bytes, const std::string& fi
     if (found == columns.end())
       absent.emplace_back(kPlates[k]);
     else
-      plates[k] = &found->second;
+      plates[k] = std::move(found->second);
   }
   if (!absent.empty() && absent.size() < kPlates.size())
     throw Failure(ExitCode::bad_data,
@@ -154,7 +154,7 @@ std::vector<Channel> read_channels(std::string_view bytes, const std::string& fi
       {
         const auto place = 3 * static_cast<std::size_t>(side) + static_cast<std::size_t>(component);
         channels.push_back(
-            {kPlates[place], component == 0 ? "Fx" : "Fz", false, "N", side, component, -1, *plates[place]});
+            {kPlates[place], component == 0 ? "Fx" : "Fz", false, "N", side, component, -1, plates[place]});
       }
     const std::vector<VectorJ> torques = bottom_up(robot, states, plates);
     for (int joint = 0; joint < robot.num_joints(); ++joint)
@@ -174,7 +174,7 @@ std::vector<Channel> read_channels(std::string_view bytes, const std::string& fi
       value = -value;
     add_moments(joint, true, std::move(found->second));
   }
-  return channels;
+  return measured;
 }
 
 Agreement agreement(const Channel& channel, const std::vector<double>& computed, const std::vector<bool>& chosen)

@@ -11,6 +11,7 @@
 
 #include "daemon/answer.h"
 
+#include <array>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -36,13 +37,21 @@ struct Channel
   double range() const;
 };
 
-/// The channels that a file has: forces from the plates; torques that follow from them bottom-up, by the recursion of
-/// Newton and Euler in the same robot and motion; published moments. Empty for an LCM log, and for a CSV with none of
-/// the columns.
+/// What was measured along a motion.
+struct Measured
+{
+  /// Forces from the plates; torques that follow from them bottom-up, by the recursion of Newton and Euler in the same
+  /// robot and motion; published moments.
+  std::vector<Channel> channels;
+  /// The plates' wrenches by sample, in the order of their columns; all empty if there are none. N, N m; NaN: none.
+  std::array<std::vector<double>, 6> plates;
+};
+
+/// Reads what a file has of it: nothing of an LCM log, nor of a CSV with none of the columns.
 ///
 /// bytes: the file, which parse_trajectory() has read as these states. Throws Failure, bad_data.
-std::vector<Channel> read_channels(std::string_view bytes, const std::string& file, const Robot& robot,
-                                   const std::vector<DesiredState>& states);
+Measured read_measured(std::string_view bytes, const std::string& file, const Robot& robot,
+                       const std::vector<DesiredState>& states);
 
 /// How far something is from what was measured, over the samples that have both.
 struct Agreement

@@ -402,6 +402,7 @@ Trajectory read_log(std::string_view bytes, const std::string& file, const Chann
     {
       trajectory.states.push_back(std::move(state));
       trajectory.places.push_back(static_cast<std::size_t>(record->number));
+      trajectory.heard.push_back(record->timestamp);
     }
     else
     {

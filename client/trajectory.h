@@ -46,6 +46,7 @@ struct Trajectory
   std::vector<desired_state_t> states;
   std::vector<std::size_t> places; ///< of each state: its line in the CSV, from 1, or its record in the log, from 0
   bool from_log = false;
+  std::vector<std::int64_t> heard; ///< of each state of a log: when the logger heard it, µs by its clock
 
   std::optional<model_info_t> recorded_model; ///< the first that the log holds
   std::size_t undecodable = 0;                ///< messages of the log that are no desired states

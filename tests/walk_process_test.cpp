@@ -114,7 +114,7 @@ TEST_CASE("a walk through the daemon is answered sample for sample, and evaluate
     states.push_back(std::get<DesiredState>(decode_desired_state(encode(state, buffer), robot)));
     double_support.push_back(state.left_contact != 0 && state.right_contact != 0);
   }
-  const std::vector<Channel> channels = read_channels(text, kWalk, robot, states);
+  const std::vector<Channel> channels = read_measured(text, kWalk, robot, states).channels;
   REQUIRE(channels.size() == 4 + 6 + 6);
   for (std::size_t k = 0; k < channels.size(); ++k)
   {

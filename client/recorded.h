@@ -1,0 +1,38 @@
+/// The answers that a log holds.
+#pragma once
+
+#include "wire/codec.h"
+
+#include <cstdint>
+#include <deque>
+#include <map>
+#include <optional>
+#include <string_view>
+#include <utility>
+#include <variant>
+
+namespace torqued
+{
+
+/// One answer, and when the logger heard it, µs by its clock.
+struct RecordedAnswer
+{
+  std::variant<torque_command_t, rejection_t> message;
+  std::int64_t timestamp;
+};
+
+/// A log's commands and rejections, by stream_id and utime of the desired state that they answer.
+class RecordedAnswers
+{
+public:
+  RecordedAnswers(std::string_view log, const Channels& channels);
+
+  bool empty() const { return answers_.empty(); }
+  /// Takes the next answer to this desired state, in the log's order: one that was repeated has several.
+  std::optional<RecordedAnswer> next(const desired_state_t& desired);
+
+private:
+  std::map<std::pair<std::int64_t, std::int64_t>, std::deque<RecordedAnswer>> answers_;
+};
+
+} // namespace torqued
