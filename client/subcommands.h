@@ -33,6 +33,7 @@ Subcommand add_wrenches(CLI::App& torquectl);
 Subcommand add_gait(CLI::App& torquectl);
 Subcommand add_project(CLI::App& torquectl);
 Subcommand add_export(CLI::App& torquectl);
+Subcommand add_report(CLI::App& torquectl);
 Subcommand add_model(CLI::App& torquectl);
 Subcommand add_status(CLI::App& torquectl);
 Subcommand add_doctor(CLI::App& torquectl);
@@ -46,8 +47,9 @@ void add_prefix_option(CLI::App& subcommand, std::optional<std::string>& prefix)
 /// Adds an option --lcm-url.
 void add_bus_option(CLI::App& subcommand, std::string& lcm_url);
 
-/// A check of an option's text: empty if it is a positive number, else the complaint.
+/// Checks of an option's text: empty if it is a positive number, or a time in s from 0; else the complaint.
 std::string check_positive(const std::string& text);
+std::string check_time(const std::string& text);
 
 /// Sets what a flag says; nothing if it was not given. Throws Failure, usage.
 void set_flag(std::string_view flag, void (*set)(Config&, const std::string&), Config& config,

@@ -46,9 +46,10 @@ int parse_and_run(int argc, const char* const* argv)
              "  torquectl model --robot human-subject01\n\n"
              "Exit codes: 0 done, 64 wrong usage, 65 bad input data, 69 no bus, 78 bad configuration or robot,\n"
              "1 anything else.");
-  const std::vector<Subcommand> subcommands{add_send(app),     add_echo(app),     add_eval(app),   add_compare(app),
-                                            add_dynamics(app), add_wrenches(app), add_gait(app),   add_project(app),
-                                            add_export(app),   add_model(app),    add_status(app), add_doctor(app)};
+  const std::vector<Subcommand> subcommands{add_send(app),     add_echo(app),     add_eval(app),  add_compare(app),
+                                            add_dynamics(app), add_wrenches(app), add_gait(app),  add_project(app),
+                                            add_export(app),   add_report(app),   add_model(app), add_status(app),
+                                            add_doctor(app)};
   const auto chosen = [&]
   {
     return std::find_if(subcommands.begin(), subcommands.end(), [](const Subcommand& s) { return s.app->parsed(); });
@@ -125,13 +126,28 @@ void add_bus_option(CLI::App& subcommand, std::string& lcm_url)
       ->type_name("URL");
 }
 
-std::string check_positive(const std::string& text)
+namespace
+{
+
+// the number that a whole text is; NaN if it is none
+double number(const std::string& text)
 {
   double number = 0.0;
   const char* end = text.data() + text.size();
-  if (std::from_chars(text.data(), end, number).ptr == end && number > 0.0 && std::isfinite(number))
-    return "";
-  return fmt::format("found \"{}\"; expected a positive number", text);
+  const auto [read, error] = std::from_chars(text.data(), end, number);
+  return read == end && error == std::errc() && std::isfinite(number) ? number : NAN;
+}
+
+} // namespace
+
+std::string check_positive(const std::string& text)
+{
+  return number(text) > 0.0 ? "" : fmt::format("found \"{}\"; expected a positive number", text);
+}
+
+std::string check_time(const std::string& text)
+{
+  return number(text) >= 0.0 ? "" : fmt::format("found \"{}\"; expected a time in s, 0 or more", text);
 }
 
 void set_flag(std::string_view flag, void (*set)(Config&, const std::string&), Config& config,

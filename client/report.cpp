@@ -1,0 +1,430 @@
+#include "client/answer_table.h"
+#include "client/files.h"
+#include "client/lcm_log.h"
+#include "client/offline.h"
+#include "client/recorded.h"
+#include "client/report_page.h"
+#include "client/subcommands.h"
+#include "client/tally.h"
+#include "robot/printable.h"
+
+#include <CLI/CLI.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <map>
+#include <memory>
+#include <optional>
+#include <set>
+
+namespace torqued
+{
+
+namespace
+{
+
+struct Options
+{
+  std::vector<std::string> files, methods;
+  std::string out, robot, config, measured;
+  std::optional<std::string> prefix, from, to;
+  bool differentiate = false;
+};
+
+// One file: its bytes, and how they were read.
+struct Input
+{
+  std::string bytes;
+  Trajectory trajectory;
+};
+
+// A motion's samples, each with its place among the trajectory's states.
+struct Samples
+{
+  std::vector<DesiredState> states;
+  std::vector<std::size_t> places;
+};
+
+// the names that a log says, of a robot that need not be known yet
+CoordinateNames names_for(std::string_view bytes, const Config& config, const Options& options)
+{
+  const bool any_robot = LogReader::is_log(bytes) && options.robot.empty();
+  return any_robot ? CoordinateNames{} : coordinate_names(load_robot(config.robot));
+}
+
+// The robot that was asked for; else the one that the first file was recorded with, if it is one that ships; else the
+// configuration's.
+Robot find_robot(const Trajectory& trajectory, const Config& config, const Options& options)
+{
+  if (!options.robot.empty() || !trajectory.recorded_model)
+    return load_robot(config.robot);
+  const model_info_t& model = *trajectory.recorded_model;
+  const auto shipped = shipped_robot_names();
+  if (std::find(shipped.begin(), shipped.end(), model.name) != shipped.end())
+    if (Robot robot = load_robot(model.name); robot.model_id == model.model_id)
+      return robot;
+  throw Failure(ExitCode::bad_data,
+                fmt::format("{}: was recorded with robot {} (model_id {}), which is none that ships; --robot FILE says "
+                            "what it is",
+                            trajectory.file, printable(model.name), model.model_id));
+}
+
+// Of several streams the one with the most samples: their clocks have nothing to do with one another.
+std::int64_t longest_stream(const Trajectory& trajectory)
+{
+  std::map<std::int64_t, std::size_t> counts;
+  for (const desired_state_t& state : trajectory.states)
+    ++counts[state.stream_id];
+  const auto longest =
+      std::max_element(counts.begin(), counts.end(), [](const auto& a, const auto& b) { return a.second < b.second; });
+  if (counts.size() > 1)
+    note(fmt::format(
+        "{}: holds {} streams of desired states; the page shows the longest, stream_id {}, {} of {} samples",
+        trajectory.file, counts.size(), longest->first, longest->second, trajectory.states.size()));
+  return longest->first;
+}
+
+// What a page can show: samples that make sense for this robot, of one stream, in the order of time, from --from to
+// --to.
+Samples choose_samples(const Robot& robot, const Trajectory& trajectory, double from, double to)
+{
+  const std::int64_t stream = longest_stream(trajectory);
+  Samples samples;
+  std::vector<std::byte> buffer;
+  std::optional<std::int64_t> first, last;
+  std::size_t unusable = 0, unordered = 0;
+  std::string complaint;
+  for (std::size_t i = 0; i < trajectory.states.size(); ++i)
+  {
+    const desired_state_t& state = trajectory.states[i];
+    if (state.stream_id != stream)
+      continue;
+    const Result<DesiredState> desired = decode_desired_state(encode(state, buffer), robot);
+    if (const Refusal* refusal = std::get_if<Refusal>(&desired))
+    {
+      if (unusable++ == 0)
+        complaint = fmt::format("{}: {}", trajectory.place(i), refusal->detail());
+      continue;
+    }
+    first = first.value_or(state.utime);
+    if (last && state.utime <= *last)
+    {
+      ++unordered;
+      continue;
+    }
+    last = state.utime;
+    const double seconds = 1e-6 * static_cast<double>(state.utime - *first);
+    if (seconds < from || seconds > to)
+      continue;
+    samples.states.push_back(std::get<DesiredState>(desired));
+    samples.places.push_back(i);
+  }
+  if (samples.states.empty() && unusable > 0)
+    throw Failure(ExitCode::bad_data, fmt::format("{}: no sample can be shown with {}; the first: {}", trajectory.file,
+                                                  robot.name, complaint));
+  if (samples.states.empty())
+    throw Failure(ExitCode::usage,
+                  fmt::format("--from {} --to {}: {} holds no sample there; expected times between 0 and {:.3f} s",
+                              from, to, trajectory.file, 1e-6 * static_cast<double>(*last - *first)));
+  if (unusable > 0)
+    note(fmt::format("{} of the samples of {} make no sense for {} and are not shown; the first: {}", unusable,
+                     trajectory.file, robot.name, complaint));
+  if (unordered > 0)
+    note(fmt::format("{} of the samples of {} are not later than the one before and are not shown", unordered,
+                     trajectory.file));
+  return samples;
+}
+
+Answer to_answer(const torque_command_t& command, const Robot& robot, const std::string& place)
+{
+  if (command.num_joints != robot.num_joints())
+    throw Failure(ExitCode::bad_data, fmt::format("{}: was answered with {} torques; expected {}, those of {}", place,
+                                                  command.num_joints, robot.num_joints(), robot.name));
+  const auto reaction = [](const ground_reaction_t& r)
+  {
+    return GroundReaction{{r.fx, r.fz, r.moment}, r.cop, r.friction_ratio};
+  };
+  return {.utime = command.utime,
+          .stream_id = command.stream_id,
+          .method = static_cast<Method>(command.method),
+          .flags = command.flags,
+          .ground = {reaction(command.left), reaction(command.right)},
+          .zmp = command.zmp,
+          .dynamics_residual = command.dynamics_residual,
+          .contact_speed = command.contact_speed,
+          .contact_residual = command.contact_residual,
+          .torque = Eigen::Map<const Eigen::VectorXd>(command.torque.data(), command.num_joints)};
+}
+
+// what the daemon answered; nothing if the log holds no answers
+std::optional<ReportRun> recorded_run(const Input& input, const Samples& samples, const Robot& robot,
+                                      const Channels& channels)
+{
+  RecordedAnswers answers(input.bytes, channels);
+  if (answers.empty())
+    return std::nullopt;
+  ReportRun run;
+  std::set<std::string> methods;
+  for (const std::size_t i : samples.places)
+  {
+    const desired_state_t& state = input.trajectory.states[i];
+    const std::optional<RecordedAnswer> answer = answers.next(state);
+    const auto* command = answer ? std::get_if<torque_command_t>(&answer->message) : nullptr;
+    const auto* rejection = answer ? std::get_if<rejection_t>(&answer->message) : nullptr;
+    if (!command)
+    {
+      ++run.unanswered[rejection ? reason_name(rejection->reason) : "NO_ANSWER"];
+      run.answers.emplace_back();
+      run.times.push_back({NAN, NAN});
+      continue;
+    }
+    run.answers.emplace_back(to_answer(*command, robot, input.trajectory.place(i)));
+    run.times.push_back(
+        {1e-3 * command->compute_ns, static_cast<double>(answer->timestamp - input.trajectory.heard[i])});
+    if (command->method != 0)
+      methods.insert(method_name(command->method));
+  }
+  // answers of torquectl eval took no time
+  if (std::none_of(run.times.begin(), run.times.end(), [](const AnswerTime& time) { return time.compute_us > 0.0; }))
+    run.times.clear();
+  run.name = methods.empty() ? "as recorded" : fmt::format("as recorded, {}", fmt::join(methods, ", "));
+  return run;
+}
+
+// what the daemon would answer; by: whatever method samples ask for, or nothing, and that method counts
+ReportRun evaluated_run(const Robot& robot, AnswerSettings settings, const std::vector<DesiredState>& states,
+                        const std::optional<Method>& by)
+{
+  ReportRun run;
+  std::set<std::string> methods;
+  if (by)
+    settings.methods.method = *by;
+  StreamMemory memory;
+  for (DesiredState desired : states)
+  {
+    if (by)
+      desired.method = *by;
+    const Result<Answer> result = answer(robot, settings, desired, memory);
+    if (const Refusal* refusal = std::get_if<Refusal>(&result))
+    {
+      ++run.unanswered[std::string(name_of(refusal->reason()))];
+      run.answers.emplace_back();
+      continue;
+    }
+    run.answers.emplace_back(std::get<Answer>(result));
+    if (const Method method = run.answers.back()->method; method != Method::none)
+      methods.insert(std::string(name_of(method)));
+  }
+  run.name = by ? std::string(name_of(*by)) : methods.empty() ? "torqued" : fmt::format("{}", fmt::join(methods, ", "));
+  return run;
+}
+
+// Rows of what was measured, by sample of a motion.
+using Rows = std::vector<std::optional<std::size_t>>;
+
+// The rows of the motion that was sent: those whose coordinates are the same numbers as a sample's.
+Rows rows_sent(const std::vector<DesiredState>& rows, const std::vector<DesiredState>& states, const std::string& file)
+{
+  const auto pose = [](const DesiredState& state)
+  {
+    return std::vector<double>(state.q.begin(), state.q.end() - (state.base_given ? 0 : 2));
+  };
+  std::map<std::vector<double>, std::vector<std::size_t>> by_pose;
+  for (std::size_t i = 0; i < rows.size(); ++i)
+    by_pose[pose(rows[i])].push_back(i);
+  Rows sent;
+  std::optional<std::size_t> last;
+  for (const DesiredState& state : states)
+  {
+    const auto found = by_pose.find(pose(state));
+    if (found == by_pose.end())
+    {
+      sent.emplace_back();
+      continue;
+    }
+    // of equal poses the next one after the row before; after the last row the motion begins again
+    const std::vector<std::size_t>& equal = found->second;
+    const auto next = last ? std::upper_bound(equal.begin(), equal.end(), *last) : equal.begin();
+    last = next == equal.end() ? equal.front() : *next;
+    sent.push_back(last);
+  }
+  const auto found = std::count_if(sent.begin(), sent.end(), [](const auto& row) { return row.has_value(); });
+  if (found == 0)
+    throw Failure(ExitCode::bad_data, fmt::format("{}: no row has the coordinates of a sample of the motion; expected "
+                                                  "the CSV that was sent, with columns of what was measured",
+                                                  file));
+  if (found < static_cast<std::ptrdiff_t>(states.size()))
+    note(fmt::format("{}: {} of {} samples have no row with the same coordinates", file,
+                     static_cast<std::ptrdiff_t>(states.size()) - found, states.size()));
+  return sent;
+}
+
+Measured choose(Measured measured, const Rows& rows)
+{
+  const auto choose_values = [&rows](std::vector<double>& values)
+  {
+    std::vector<double> chosen;
+    for (const std::optional<std::size_t>& row : rows)
+      chosen.push_back(row ? values[*row] : NAN);
+    values = std::move(chosen);
+  };
+  for (Channel& channel : measured.channels)
+    choose_values(channel.values);
+  for (std::vector<double>& plate : measured.plates)
+    if (!plate.empty())
+      choose_values(plate);
+  return measured;
+}
+
+// What was measured along a motion: as --measured says, else as its own columns do.
+Measured find_measured(const Input& input, const Samples& samples, const Robot& robot, const Options& options,
+                       const Channels& channels)
+{
+  if (options.measured.empty())
+    return input.trajectory.from_log
+               ? Measured{}
+               : choose(read_measured(input.bytes, input.trajectory.file, robot, decode_all(robot, input.trajectory)),
+                        Rows(samples.places.begin(), samples.places.end()));
+  const std::string bytes = read_file(options.measured);
+  const Trajectory trajectory =
+      parse_trajectory(bytes, options.measured, coordinate_names(robot), options.differentiate, channels);
+  const std::vector<DesiredState> states = decode_all(robot, trajectory);
+  const Measured measured = read_measured(bytes, options.measured, robot, states);
+  if (measured.channels.empty())
+    throw Failure(ExitCode::bad_data,
+                  fmt::format("{}: found no column of what was measured; expected FxL, FzL, ML, FxR, FzR, MR, or "
+                              "pub_ankleL and so on",
+                              options.measured));
+  return choose(measured, rows_sent(states, samples.states, options.measured));
+}
+
+std::string stem(const std::string& file)
+{
+  return std::filesystem::path(file).stem().string();
+}
+
+double seconds(const std::optional<std::string>& text, double otherwise)
+{
+  return text ? std::stod(*text) : otherwise;
+}
+
+// "constrained: 445 of 447 samples answered, INFEASIBLE 2"
+std::string summary(const ReportRun& run)
+{
+  std::string line = fmt::format("{}: {} of {} samples answered", run.name,
+                                 std::count_if(run.answers.begin(), run.answers.end(),
+                                               [](const std::optional<Answer>& answer) { return answer.has_value(); }),
+                                 run.answers.size());
+  for (const auto& [reason, count] : run.unanswered)
+    line += fmt::format(", {} {}", reason, count);
+  return line;
+}
+
+ExitCode report(const Options& options)
+{
+  for (const std::string& file : options.files)
+    require_other_file(file, options.out);
+  Config config = options.config.empty() ? Config() : read_config(options.config);
+  if (!options.robot.empty())
+    config.robot = options.robot;
+  set_flag("--prefix", set_prefix, config, options.prefix);
+  std::vector<Method> methods;
+  for (const std::string& name : options.methods)
+  {
+    set_flag("--method", set_method, config, name);
+    methods.push_back(config.answers.methods.method);
+  }
+  const double from = seconds(options.from, 0.0), to = seconds(options.to, INFINITY);
+  const Channels channels(config.prefix);
+
+  std::vector<Input> inputs;
+  for (const std::string& file : options.files)
+  {
+    Input& input = inputs.emplace_back();
+    input.bytes = read_file(file);
+    input.trajectory =
+        parse_trajectory(input.bytes, file, names_for(input.bytes, config, options), options.differentiate, channels);
+  }
+  const Robot robot = find_robot(inputs.front().trajectory, config, options);
+  check_fits(config, robot);
+
+  flush_denormals();
+  std::vector<ReportMotion> motions;
+  for (const Input& input : inputs)
+  {
+    for (const std::string& line : notes(input.trajectory, robot.name, robot.model_id))
+      note(line);
+    const Samples samples = choose_samples(robot, input.trajectory, from, to);
+    ReportMotion& motion = motions.emplace_back();
+    motion.source = std::filesystem::path(input.trajectory.file).filename().string();
+    motion.states = samples.states;
+    motion.measured = find_measured(input, samples, robot, options, channels);
+    if (input.trajectory.from_log)
+      if (std::optional<ReportRun> run = recorded_run(input, samples, robot, channels))
+        motion.runs.push_back(std::move(*run));
+    for (const Method method : methods)
+      motion.runs.push_back(evaluated_run(robot, config.answers, motion.states, method));
+    if (motion.runs.empty())
+      motion.runs.push_back(evaluated_run(robot, config.answers, motion.states, std::nullopt));
+    if (inputs.size() > 1)
+      for (ReportRun& run : motion.runs)
+        run.name = fmt::format("{}: {}", stem(input.trajectory.file), run.name);
+  }
+  OutputFile out(options.out);
+  out.write(report_page(fmt::format("{} – {}", motions.front().source, robot.name), report_document(robot, motions)));
+  out.close();
+  if (options.out != "-")
+    for (const ReportMotion& motion : motions)
+      for (const ReportRun& run : motion.runs)
+        fmt::print("{}: {}\n", motion.source, summary(run));
+  return ExitCode::done;
+}
+
+} // namespace
+
+Subcommand add_report(CLI::App& torquectl)
+{
+  const auto options = std::make_shared<Options>();
+  CLI::App* app = torquectl.add_subcommand(
+      "report", "a page that shows a motion walk, with its torques and ground reactions, in any browser");
+  app->add_option("FILE", options->files, "logs that lcm-logger recorded, or trajectory CSVs")
+      ->type_name("")
+      ->required();
+  app->add_option("-o,--output", options->out, "the page, one file that needs no network; - for the standard output")
+      ->type_name("PAGE.html")
+      ->required();
+  add_robot_option(*app, options->robot, "default: the one that the log says; of a CSV: ck");
+  app->add_option("--method", options->methods,
+                  "answer anew by this method, whatever the samples ask for; once for each method to compare")
+      ->type_name("NAME")
+      ->allow_extra_args(false);
+  app->add_option("--config", options->config, "the daemon's configuration file, for what is answered anew")
+      ->type_name("FILE");
+  app->add_option("--measured", options->measured,
+                  "the CSV that was sent, with columns of what was measured; default: the columns of FILE, if it is a "
+                  "CSV")
+      ->type_name("CSV");
+  app->add_option("--from", options->from, "begin there, s since the first sample")->type_name("S")->check(check_time);
+  app->add_option("--to", options->to, "end there, s since the first sample")->type_name("S")->check(check_time);
+  add_prefix_option(*app, options->prefix);
+  app->add_flag("--differentiate", options->differentiate,
+                "find the derivatives by a spline through the samples, six or more; CSV only");
+  app->footer(
+      "Of a log the page shows what the daemon answered; of a CSV, or with --method, what it would answer, as eval "
+      "does.\n"
+      "Several files, or methods, are laid over one another. Columns of what was measured: torquectl compare --help.\n"
+      "A motion of more than 36000 samples is thinned for drawing: no peak is lost, figures are those of all samples,\n"
+      "and --from and --to choose a stretch to be shown in full.\n\n"
+      "Example, in the source directory:\n"
+      "  torquectl report client/trajectories/subject01-walk/walk.csv --robot human-subject01 \\\n"
+      "    --method human-transition --method constrained -o /tmp/walk.html");
+  return {app, [options]
+          {
+            return report(*options);
+          }};
+}
+
+} // namespace torqued

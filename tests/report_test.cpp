@@ -1,0 +1,404 @@
+#include "catch.h"
+#include "matchers.h"
+#include "run_torquectl.h"
+
+#include "client/gait.h"
+#include "client/lcm_log.h"
+#include "client/report_page.h"
+#include "client/trajectory.h"
+#include "torque/contacts.h"
+
+#include <bit>
+#include <cmath>
+#include <cstring>
+#include <map>
+#include <nlohmann/json.hpp>
+
+using namespace torqued;
+
+namespace
+{
+
+using Json = nlohmann::json;
+
+const std::string kWalk = TRAJECTORIES "/subject01-walk/walk.csv";
+
+// what a page shows
+Json document(const std::string& path)
+{
+  const std::string page = read_file(path);
+  const std::string begin = R"(<script type="application/json" id="report">)";
+  const std::size_t from = page.find(begin);
+  REQUIRE(from != std::string::npos);
+  return Json::parse(page.substr(from + begin.size(), page.find("</script>", from) - from - begin.size()));
+}
+
+template <typename Number> std::vector<Number> decoded(const std::string& base64)
+{
+  const std::string digits = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+  std::string bytes;
+  std::uint32_t bits = 0;
+  int count = 0;
+  for (const char c : base64.substr(0, base64.find('=')))
+  {
+    bits = bits << 6 | static_cast<std::uint32_t>(digits.find(c));
+    count += 6;
+    if (count < 8)
+      continue;
+    count -= 8;
+    bytes += static_cast<char>(bits >> count & 255U);
+  }
+  std::vector<Number> numbers(bytes.size() / sizeof(Number));
+  std::memcpy(numbers.data(), bytes.data(), numbers.size() * sizeof(Number));
+  return numbers;
+}
+
+std::vector<float> floats(const Json& text)
+{
+  return decoded<float>(text.get<std::string>());
+}
+
+// a CSV's columns by name; NaN for an empty cell and for a word
+std::map<std::string, std::vector<double>> columns(const std::string& path)
+{
+  std::map<std::string, std::vector<double>> result;
+  const auto lines = rows(path);
+  for (std::size_t i = 1; i < lines.size(); ++i)
+    for (std::size_t k = 0; k < lines[0].size(); ++k)
+    {
+      char* end = nullptr;
+      const double number = std::strtod(lines[i][k].c_str(), &end);
+      result[lines[0][k]].push_back(end == lines[i][k].c_str() || *end != '\0' ? NAN : number);
+    }
+  return result;
+}
+
+// "" if the numbers of a page are those of a table, rounded
+std::string difference(const std::vector<float>& found, const std::vector<double>& expected)
+{
+  if (found.size() != expected.size())
+    return fmt::format("{} numbers, expected {}", found.size(), expected.size());
+  for (std::size_t i = 0; i < found.size(); ++i)
+    if (std::bit_cast<std::uint32_t>(found[i]) != std::bit_cast<std::uint32_t>(static_cast<float>(expected[i])) &&
+        !(std::isnan(found[i]) && std::isnan(expected[i])))
+      return fmt::format("number {} is {}, expected {}", i, found[i], expected[i]);
+  return "";
+}
+
+} // namespace
+
+TEST_CASE("a page shows what eval answers, and the robot where the motion has it", "[report]")
+{
+  const TemporaryFolder folder;
+  const std::string walk = folder.file("walk.csv"), page = folder.file("walk.html"),
+                    answers = folder.file("answers.csv");
+  REQUIRE(run({"gait", "--robot", "rk", "-o", walk, "--steps", "2", "--rate", "50"}).code == 0);
+  REQUIRE(run({"eval", walk, "--robot", "rk", "-o", answers}).code == 0);
+  const Run report = run({"report", walk, "--robot", "rk", "-o", page});
+  CAPTURE(report.err);
+  REQUIRE(report.code == 0);
+  CHECK(report.err == "");
+  CHECK(report.out == "walk.csv: zmp-transition: 85 of 85 samples answered\n");
+
+  const Json shown = document(page);
+  CHECK(shown["robot"]["name"] == "rk");
+  REQUIRE(shown["motions"].size() == 1);
+  const Json& motion = shown["motions"][0];
+  REQUIRE(motion["runs"].size() == 1);
+  const Json& frames = motion["runs"][0]["frames"];
+  CHECK_FALSE(motion["runs"][0].contains("curves"));
+  auto expected = columns(answers);
+  const auto contacts = columns(walk);
+  for (const char* foot : {"L", "R"})
+    for (std::size_t i = 0; i < expected["utime"].size(); ++i)
+      if (expected[std::string("fz") + foot][i] == 0.0)
+        expected[std::string("sole_cop") + foot][i] = NAN; // without load there is none
+  for (const auto& [name, column] : std::map<std::string, std::string>{{"tau_left_knee", "tau_left_knee"},
+                                                                       {"tau_right_ankle", "tau_right_ankle"},
+                                                                       {"fxL", "fxL"},
+                                                                       {"fzR", "fzR"},
+                                                                       {"momentL", "momentL"},
+                                                                       {"copL", "sole_copL"},
+                                                                       {"copR", "sole_copR"},
+                                                                       {"flags", "flags"},
+                                                                       {"contact_residual", "contact_residual"}})
+  {
+    CAPTURE(name);
+    CHECK(difference(floats(frames[name]), expected[column]) == "");
+  }
+  const std::vector<double> times = decoded<double>(motion["time"].get<std::string>());
+  CHECK(times.front() == 0.0);
+  CHECK(mismatch(times.back(), 1e-6 * (expected["utime"].back() - expected["utime"].front()), 1e-12) == "");
+
+  // every link's frame, from the file's own coordinates
+  const Robot robot = load_robot("rk");
+  const std::vector<float> poses = floats(motion["poses"]);
+  REQUIRE(poses.size() == 3 * 7 * times.size());
+  const Trajectory trajectory = parse_trajectory(read_file(walk), walk, coordinate_names(robot), false, Channels());
+  for (const std::size_t i : {0U, 33U, 84U})
+    for (const Link& link : robot.links)
+    {
+      const desired_state_t& state = trajectory.states[i];
+      VectorQ q(9);
+      for (int k = 0; k < 7; ++k)
+        q(k) = state.q[static_cast<std::size_t>(k)];
+      q.tail<2>() << state.base_q[0], state.base_q[1];
+      const Kinematics now = kinematics(robot.mechanism, q, VectorQ::Zero(9));
+      const auto at = 3 * (7 * i + static_cast<std::size_t>(&link - robot.links.data()));
+      const Eigen::Vector3d found(poses[at], poses[at + 1], poses[at + 2]);
+      Eigen::Vector3d right;
+      right << position(now, link.origin), q(link.coordinate);
+      CHECK(mismatch(found, right, 1e-6) == ""); // 32-bit numbers
+    }
+}
+
+TEST_CASE("the figures of a page are those of compare", "[report]")
+{
+  const TemporaryFolder folder;
+  const std::string page = folder.file("walk.html"), json = folder.file("compare.json");
+  REQUIRE(run({"compare", kWalk, "--robot", "human-subject01", "--json", json}).code == 0);
+  REQUIRE(run({"report", kWalk, "--robot", "human-subject01", "--method", "human-transition", "--method", "constrained",
+               "-o", page})
+              .code == 0);
+  const Json compared = Json::parse(read_file(json));
+  const Json runs = document(page)["motions"][0]["runs"];
+  REQUIRE(runs.size() == 2);
+  for (const Json& shown : runs)
+  {
+    CAPTURE(shown["name"]);
+    const auto& methods = compared["methods"];
+    const auto method =
+        std::find_if(methods.begin(), methods.end(), [&](const Json& m) { return m["method"] == shown["name"]; });
+    REQUIRE(method != methods.end());
+    const Json& figures = shown["figures"];
+    for (const char* name : {"answered", "peak", "effort", "jumps", "double_support", "held"})
+      CHECK(figures[name] == (*method)[name]);
+    REQUIRE(figures["measured"].size() == (*method)["measured"].size());
+    for (std::size_t i = 0; i < figures["measured"].size(); ++i)
+      CHECK(figures["measured"][i]["rms"] == (*method)["measured"][i]["whole"]["rms"]);
+    // 2.2 s at 1.13 m/s, the belt's speed
+    CHECK(mismatch(figures["distance"].get<double>(), 2.23 * 1.1314, 0.1) == "");
+  }
+}
+
+TEST_CASE("a log is shown as it was answered, beside what was measured in the motion that was sent", "[report]")
+{
+  const TemporaryFolder folder;
+  const std::string log = folder.file("walk.lcm"), page = folder.file("walk.html"),
+                    answers = folder.file("answers.csv");
+  REQUIRE(run({"eval", kWalk, "--robot", "human-subject01", "--method", "linear-transition", "-o", log}).code == 0);
+  REQUIRE(run({"export", log, "-o", answers}).code == 0);
+  // the robot is the one that the log says; the motion begins somewhere in the CSV
+  const Run report = run({"report", log, "--measured", kWalk, "--from", "0.5", "--to", "1.5", "-o", page});
+  CAPTURE(report.err);
+  REQUIRE(report.code == 0);
+  CHECK(report.err == "");
+  const Json motion = document(page)["motions"][0];
+  CHECK(motion["samples"] == 201);
+  CHECK(motion["runs"][0]["name"] == "as recorded, linear-transition");
+
+  const auto part = [](const std::vector<double>& values)
+  {
+    return std::vector<double>(values.begin() + 100, values.begin() + 301);
+  };
+  CHECK(difference(floats(motion["runs"][0]["frames"]["tau_left_hip"]), part(columns(answers)["tau_left_hip"])) == "");
+  const auto measured = columns(kWalk);
+  const Json& plates = motion["plates"]["frames"];
+  CHECK(difference(floats(plates["fzL"]), part(measured.at("FzL"))) == "");
+  CHECK(difference(floats(plates["fxR"]), part(measured.at("FxR"))) == "");
+  CHECK(difference(floats(motion["published"]["frames"]["tau_left_knee"]),
+                   [&]
+                   {
+                     std::vector<double> values = part(measured.at("pub_kneeL"));
+                     for (double& value : values)
+                       value = -value;
+                     return values;
+                   }()) == "");
+  // The file has the pressure's place on the ground; along the level sole it is as far from the ankle. While the foot
+  // is pitched less than 0.1 rad its line leaves the ground by less than a centimetre under the sole.
+  const std::vector<float> cop = floats(plates["copR"]), poses = floats(motion["poses"]);
+  const Robot robot = load_robot("human-subject01");
+  const auto foot = static_cast<std::size_t>(robot.foot(Side::right).link);
+  const std::vector<double> on_ground = part(measured.at("copR"));
+  int compared = 0;
+  for (std::size_t i = 0; i < cop.size(); ++i)
+  {
+    const float* pose = &poses[3 * (robot.links.size() * i + foot)];
+    if (std::abs(pose[2]) > 0.1 || std::isnan(cop[i]) || std::isnan(on_ground[i]))
+      continue;
+    CHECK(mismatch(pose[0] + cop[i], on_ground[i], 0.02) == "");
+    ++compared;
+  }
+  CHECK(compared > 50);
+}
+
+TEST_CASE("what was not answered is a gap in the curves, and is counted", "[report]")
+{
+  const TemporaryFolder folder;
+  std::string text = read_file(kWalk);
+  const std::string log = folder.file("walk.lcm"), cut = folder.file("cut.lcm"), page = folder.file("walk.html");
+  REQUIRE(run({"eval", kWalk, "--robot", "human-subject01", "-o", log}).code == 0);
+  const std::string bytes = read_file(log);
+  LogReader reader(bytes);
+  LogWriter writer(cut);
+  std::vector<std::byte> buffer;
+  int commands = 0;
+  while (const auto record = reader.next())
+  {
+    const bool answer = record->channel == "TORQUED_COMMAND";
+    const int number = answer ? commands++ : -1;
+    torque_command_t command;
+    if (answer)
+      REQUIRE(decode(record->data, command));
+    rejection_t rejection{};
+    rejection.utime = command.utime;
+    rejection.stream_id = command.stream_id;
+    rejection.reason = 8;
+    if (number == 20)
+      writer.write("TORQUED_REJECTED", record->timestamp, encode(rejection, buffer));
+    else if (number != 10)
+      writer.write(std::string(record->channel), record->timestamp, record->data);
+  }
+  writer.close();
+  const Run report = run({"report", cut, "-o", page});
+  CAPTURE(report.err);
+  REQUIRE(report.code == 0);
+  const Json shown = document(page)["motions"][0]["runs"][0];
+  const std::vector<float> torque = floats(shown["frames"]["tau_left_hip"]);
+  for (std::size_t i = 0; i < torque.size(); ++i)
+    CHECK(std::isnan(torque[i]) == (i == 10 || i == 20));
+  CHECK(shown["figures"]["answered"] == 445);
+  CHECK(shown["figures"]["unanswered"] == Json{{"NO_ANSWER", 1}, {"STALE", 1}});
+}
+
+TEST_CASE("a page of a long motion loses no peak and no flag", "[report]")
+{
+  const Robot robot = load_robot("ck");
+  const std::size_t count = 3 * kMostFrames + 17;
+  ReportMotion motion;
+  motion.source = "long.lcm";
+  DesiredState state{};
+  state.support = {{Contact::sole, Contact::none}, Side::left, 0.0, 0.0};
+  state.q = state.v = state.a = VectorQ::Zero(robot.mechanism.num_q());
+  Answer quiet{};
+  quiet.torque = VectorJ::Zero(6);
+  ReportRun answered;
+  answered.name = "made up";
+  for (std::size_t i = 0; i < count; ++i)
+  {
+    state.utime = 1000 * static_cast<std::int64_t>(i);
+    motion.states.push_back(state);
+    answered.answers.emplace_back(quiet);
+  }
+  const std::size_t peak = 50'000 + 1; // no frame
+  (*answered.answers[peak]).torque(2) = 77.0;
+  (*answered.answers[peak + 1]).torque(2) = -55.0;
+  (*answered.answers[peak]).flags = flag::tips;
+  for (std::size_t i = 900; i < 990; ++i)
+    answered.answers[i].reset();
+  motion.runs.push_back(answered);
+
+  const std::string text = report_document(robot, {motion});
+  const Json shown = Json::parse(text)["motions"][0];
+  const std::vector<double> times = decoded<double>(shown["time"].get<std::string>());
+  CHECK(times.size() <= kMostFrames);
+  CHECK(times.size() > kMostFrames / 2);
+  const Json& run = shown["runs"][0];
+  const std::vector<float> curve = floats(run["curves"]["tau_left_hip"]);
+  const std::vector<double> curve_times = decoded<double>(shown["curve_time"].get<std::string>());
+  REQUIRE(curve.size() == curve_times.size());
+  CHECK(curve.size() <= 2 * kMostStretches);
+  CHECK(std::is_sorted(curve_times.begin(), curve_times.end()));
+  const auto highest =
+      std::max_element(curve.begin(), curve.end(), [](float a, float b) { return !(a >= b) && !std::isnan(b); });
+  REQUIRE(*highest == 77.0F);
+  CHECK(*std::next(highest) == -55.0F); // in the order in which they come
+  const double stretch = 0.001 * static_cast<double>(count) / kMostStretches;
+  CHECK(mismatch(curve_times[static_cast<std::size_t>(highest - curve.begin())], 0.001 * peak, 1.1 * stretch) == "");
+  CHECK(std::count_if(curve.begin(), curve.end(), [](float v) { return std::isnan(v); }) > 0);
+  const std::vector<float> flags = floats(run["frames"]["flags"]);
+  CHECK(std::count(flags.begin(), flags.end(), 4.0F) == 1);
+  CHECK(run["figures"]["peak"] == 77.0);
+  CHECK(run["figures"]["flags"] == Json{{"TIPS", 1}});
+  CHECK(run["figures"]["answered"] == count - 90);
+}
+
+TEST_CASE("several files are laid over one another", "[report]")
+{
+  const TemporaryFolder folder;
+  const std::string ck = folder.file("slow.csv"), other = folder.file("fast.csv"), page = folder.file("both.html");
+  REQUIRE(run({"gait", "-o", ck, "--steps", "1", "--rate", "50"}).code == 0);
+  REQUIRE(run({"gait", "-o", other, "--steps", "1", "--rate", "50", "--step-time", "0.6"}).code == 0);
+  REQUIRE(run({"report", ck, other, "--method", "constrained", "-o", page}).code == 0);
+  const Json shown = document(page)["motions"];
+  REQUIRE(shown.size() == 2);
+  CHECK(shown[0]["runs"][0]["name"] == "slow: constrained");
+  CHECK(shown[1]["runs"][0]["name"] == "fast: constrained");
+}
+
+TEST_CASE("a file's name cannot break the page", "[report]")
+{
+  const TemporaryFolder folder;
+  const std::string walk = folder.file("<!--<script>&{{library}}.csv"), page = folder.file("walk.html");
+  REQUIRE(run({"gait", "-o", walk, "--steps", "1", "--rate", "50"}).code == 0);
+  REQUIRE(run({"report", walk, "-o", page}).code == 0);
+  const std::string text = read_file(page);
+  CHECK(text.find("<!--") == std::string::npos);
+  CHECK(text.find("<h1>&lt;!--&lt;script&gt;&amp;{{library}}.csv – ck</h1>") != std::string::npos);
+  CHECK(document(page)["motions"][0]["source"] == "<!--<script>&{{library}}.csv");
+}
+
+TEST_CASE("a page needs nothing from elsewhere", "[report]")
+{
+  const TemporaryFolder folder;
+  const std::string walk = folder.file("walk.csv"), page = folder.file("walk.html");
+  REQUIRE(run({"gait", "-o", walk, "--steps", "1", "--rate", "50"}).code == 0);
+  REQUIRE(run({"report", walk, "-o", page}).code == 0);
+  const std::string text = read_file(page);
+  for (const char* reference : {"src=", "href=", "@import", "url(", "sourceMappingURL"})
+  {
+    CAPTURE(reference);
+    const std::string head = text.substr(0, text.find("id=\"report\""));
+    CHECK(head.find(reference) == std::string::npos);
+  }
+  CHECK(text.find("sourceMappingURL") == std::string::npos);
+}
+
+TEST_CASE("report says what it cannot show", "[report]")
+{
+  const TemporaryFolder folder;
+  const std::string page = folder.file("page.html"), walk = folder.file("walk.csv"), log = folder.file("walk.lcm");
+  REQUIRE(run({"gait", "-o", walk, "--steps", "1", "--rate", "50"}).code == 0);
+  REQUIRE(run({"eval", walk, "-o", log}).code == 0);
+  const auto fails = [&](const std::vector<std::string>& words, int code, const std::string& what)
+  {
+    const Run found = run(words);
+    CAPTURE(what, found.err);
+    CHECK(found.code == code);
+    CHECK(found.err.find(what) != std::string::npos);
+    CHECK_FALSE(std::filesystem::exists(page));
+  };
+  fails({"report", folder.file("none.csv"), "-o", page}, 65, "none.csv");
+  fails({"report", walk}, 64, "--output is required");
+  fails({"report", walk, "-o", walk}, 64, "walk.csv");
+  fails({"report", walk, "--method", "magic", "-o", page}, 64, "--method: found \"magic\"");
+  fails({"report", walk, "--from", "1e", "-o", page}, 64, "--from: found \"1e\"; expected a time in s, 0 or more");
+  fails({"report", walk, "--from", "7", "-o", page}, 64,
+        "--from 7 --to inf: " + walk + " holds no sample there; expected times between 0 and 0.738 s");
+  fails({"report", walk, "--robot", "nobody", "-o", page}, 78, "nobody");
+  fails({"report", walk, "--robot", "bip-itlag", "-o", page}, 65, "walk.csv");
+  fails({"report", walk, "--measured", kWalk, "-o", page}, 65,
+        "no row has the coordinates of a sample of the motion; expected the CSV that was sent");
+  fails({"report", log, "--measured", walk, "-o", page}, 65, "found no column of what was measured");
+  fails({"report", walk, "-o", "/nowhere/page.html"}, 1, "/nowhere/page.html");
+
+  // a log of a robot that does not ship
+  const std::string mine = folder.write("mine.toml", std::string(shipped_robot_toml("ck")));
+  std::string toml = read_file(mine);
+  toml.replace(toml.find("gravity = 9.81"), 14, "gravity = 1.62");
+  folder.write("mine.toml", toml);
+  REQUIRE(run({"gait", "--robot", mine, "-o", walk, "--steps", "1", "--rate", "50"}).code == 0);
+  REQUIRE(run({"eval", walk, "--robot", mine, "-o", log}).code == 0);
+  fails({"report", log, "-o", page}, 65, "which is none that ships; --robot FILE says what it is");
+  CHECK(run({"report", log, "--robot", mine, "-o", page}).code == 0);
+}
