@@ -515,7 +515,7 @@
         }
     if (!(low <= high)) return [-1, 1];
     if (low >= 0 && low < 0.3 * high) low = 0;
-    const margin = 0.06 * (high - low) || 1e-9 + 0.1 * Math.abs(high);
+    const margin = 0.06 * (high - low) || 0.1 * Math.abs(high) || 1;
     return [low === 0 ? 0 : low - margin, high + margin];
   };
   const underlay = panel => (pen, area, dygraph) => {

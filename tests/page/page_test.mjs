@@ -1,0 +1,220 @@
+// The page of torquectl report, in a browser: what it draws is what was computed, it can be used, and by everybody.
+//
+// TORQUECTL, CHROMIUM: the programs. TRAJECTORIES: the folder of the measured walk. PICTURES: where screenshots go.
+
+import assert from 'node:assert/strict';
+import {execFileSync} from 'node:child_process';
+import {mkdirSync, mkdtempSync, readFileSync, rmSync} from 'node:fs';
+import {createRequire} from 'node:module';
+import {tmpdir} from 'node:os';
+import {join} from 'node:path';
+import {after, before, test} from 'node:test';
+import {chromium} from 'playwright-core';
+
+const {TORQUECTL, CHROMIUM, TRAJECTORIES, PICTURES} = process.env;
+const walk = join(TRAJECTORIES, 'subject01-walk/walk.csv');
+const axe = readFileSync(createRequire(import.meta.url).resolve('axe-core/axe.min.js'), 'utf8');
+const folder = mkdtempSync(join(tmpdir(), 'torqued-page-'));
+const file = name => join(folder, name);
+const torquectl = (...words) => execFileSync(TORQUECTL, words, {stdio: ['ignore', 'ignore', 'pipe']});
+const methods = ['human-transition', 'constrained'];
+
+let browser;
+before(async () => {
+  mkdirSync(PICTURES, {recursive: true});
+  torquectl('report', walk, '--robot', 'human-subject01', ...methods.flatMap(name => ['--method', name]), '-o', file('walk.html'));
+  for (const name of methods)
+    torquectl('eval', walk, '--robot', 'human-subject01', '--method', name, '-o', file(name + '.csv'));
+  torquectl('gait', '--robot', 'rk', '-o', file('rk.csv'));
+  torquectl('report', file('rk.csv'), '--robot', 'rk', '-o', file('rk.html'));
+  torquectl('report', join(TRAJECTORIES, 'compass/case-a.csv'), '--robot', 'compass', '-o', file('compass.html'));
+  // as root Chromium has no sandbox; what it loads here is our own
+  browser = await chromium.launch({executablePath: CHROMIUM, args: ['--no-sandbox']});
+});
+after(async () => {
+  await browser?.close();
+  rmSync(folder, {recursive: true, force: true});
+});
+
+// columns of a CSV by name
+const read = path => {
+  const lines = readFileSync(path, 'utf8').split('\n').filter(line => line && !line.startsWith('#')).map(line => line.split(','));
+  return Object.fromEntries(lines[0].map((name, k) => [name, lines.slice(1).map(line => line[k] === '' ? NaN : Number(line[k]))]));
+};
+
+const complaints = [];
+const open = async (name, {width = 1400, theme = 'light'} = {}) => {
+  const page = await browser.newPage({viewport: {width, height: 900}, colorScheme: theme});
+  page.on('console', message => complaints.push(`${name}: ${message.type()}: ${message.text()}`));
+  page.on('pageerror', error => complaints.push(`${name}: ${error.stack}`));
+  page.on('request', request => { if (!request.url().startsWith('file:')) complaints.push(`${name} asked for ${request.url()}`); });
+  await page.goto('file://' + file(name));
+  await page.waitForSelector('.plot canvas');
+  return page;
+};
+const goTo = (page, sample) => page.evaluate(value => {
+  const slider = document.getElementById('time');
+  slider.value = value;
+  slider.dispatchEvent(new Event('input'));
+}, sample);
+const clock = async page => Number((await page.textContent('#clock')).split(' ')[0]);
+// what the page says under the cursor: a panel's values by their curves
+const values = (page, title) => page.evaluate(wanted => {
+  const figure = [...document.querySelectorAll('figure')].find(f => f.querySelector('.title').textContent === wanted);
+  return Object.fromEntries([...figure.querySelectorAll('.values span')].map(span => [span.dataset.of, Number(span.dataset.value)]));
+}, title);
+const picture = page => page.evaluate(() => document.getElementById('stage').toDataURL());
+
+test('numbers at the cursor are those of eval and of the force plates', async () => {
+  const page = await open('walk.html');
+  const measured = read(walk);
+  const answers = methods.map(name => read(file(name + '.csv')));
+  for (const sample of [0, 60, 97, 110, 233, 446]) {
+    await goTo(page, sample);
+    for (const [title, column, plate] of [
+      ['left hip, N m', 'tau_left_hip'], ['right knee, N m', 'tau_right_knee'], ['left ankle, N m', 'tau_left_ankle'],
+      ['left foot: upward force, N', 'fzL', 'FzL'], ['right foot: forward force, N', 'fxR', 'FxR'],
+      ['acceleration of resting contacts, m/s² or rad/s²', 'contact_residual'],
+    ]) {
+      const found = await values(page, title);
+      const near = (value, expected) => assert.ok(Math.abs(value - expected) <= 1e-6 * Math.abs(expected), `sample ${sample}, ${title}: ${value}, expected ${expected}`);
+      answers.forEach((answer, k) => near(found['run ' + k], answer[column][sample]));
+      if (plate) near(found.plates, measured[plate][sample]);
+    }
+  }
+  await page.close();
+});
+
+test('curves pass through the samples', async () => {
+  const page = await open('walk.html');
+  const {fzL} = read(file('human-transition.csv'));
+  // the tallest pixels of the curve in the panel's canvas lie where the largest force is
+  const highest = fzL.indexOf(Math.max(...fzL));
+  await goTo(page, highest);
+  const off = await page.evaluate(() => {
+    const figure = [...document.querySelectorAll('figure')].find(f => f.querySelector('.title').textContent === 'left foot: upward force, N');
+    const canvas = figure.querySelector('canvas'), ratio = window.devicePixelRatio;
+    const pixels = canvas.getContext('2d').getImageData(0, 0, canvas.width, canvas.height);
+    const cursor = new DOMMatrix(getComputedStyle(figure.querySelector('.cursor')).transform).m41 * ratio;
+    const ink = document.createElement('canvas').getContext('2d');
+    ink.fillStyle = getComputedStyle(document.documentElement).getPropertyValue('--run-0');
+    ink.fillRect(0, 0, 1, 1);
+    const [r, g, b] = ink.getImageData(0, 0, 1, 1).data;
+    for (let y = 0; y < canvas.height; ++y)
+      for (let x = 0; x < canvas.width; ++x) {
+        const at = 4 * (y * canvas.width + x);
+        if (Math.hypot(pixels.data[at] - r, pixels.data[at + 1] - g, pixels.data[at + 2] - b) < 40 && pixels.data[at + 3] > 200)
+          return Math.abs(x - cursor);
+      }
+    return Infinity;
+  });
+  assert.ok(off <= 4, `the curve's top is ${off} px from the cursor at the largest force`);
+  await page.close();
+});
+
+test('it plays, pauses, steps, and moves by keys, by dragging and by the slider', async () => {
+  const page = await open('walk.html');
+  const start = await picture(page);
+  await page.click('#play');
+  await page.waitForFunction(() => Number(document.getElementById('clock').textContent.split(' ')[0]) > 0.2);
+  await page.click('#play');
+  assert.equal(await page.textContent('#play'), 'Play');
+  const paused = await clock(page);
+  assert.ok(paused > 0.2);
+  assert.notEqual(await picture(page), start);
+  await page.waitForTimeout(100);
+  assert.equal(await clock(page), paused);
+
+  await goTo(page, 100);
+  assert.equal(await clock(page), 0.5);
+  await page.click('#forth');
+  assert.equal(await clock(page), 0.505);
+  await page.click('#back');
+  await page.click('#back');
+  assert.equal(await clock(page), 0.495);
+  await page.evaluate(() => document.activeElement.blur());
+  await page.keyboard.press('ArrowRight');
+  assert.equal(await clock(page), 0.5);
+  await page.focus('#time');
+  await page.keyboard.press('ArrowRight');
+  assert.equal(await clock(page), 0.505);
+  assert.equal(await page.getAttribute('#time', 'aria-valuetext'), '0.505 s');
+
+  const plot = await page.locator('.plot').first().boundingBox();
+  await page.mouse.move(plot.x + 0.3 * plot.width, plot.y + 40);
+  await page.mouse.down();
+  const before = await clock(page);
+  await page.mouse.move(plot.x + 0.6 * plot.width, plot.y + 40);
+  await page.mouse.up();
+  assert.ok(await clock(page) > before + 0.5);
+  const cursors = await page.$$eval('.cursor', all => new Set(all.map(cursor => Math.round(new DOMMatrix(getComputedStyle(cursor).transform).m41))).size);
+  assert.ok(cursors <= 2, 'all panels show the cursor at the same place');
+  await page.close();
+});
+
+test('at the end it begins again', async () => {
+  const page = await open('walk.html');
+  await page.selectOption('#speed', '4');
+  await goTo(page, 430);
+  await page.click('#play');
+  await page.waitForFunction(() => Number(document.getElementById('clock').textContent.split(' ')[0]) < 1);
+  await page.close();
+});
+
+test('it looks closer where the cursor is, and shows all again', async () => {
+  const page = await open('walk.html');
+  await goTo(page, 200);
+  await page.click('#closer');
+  await page.click('#closer');
+  const [from, to] = (await page.textContent('#window')).match(/[\d.]+/g).map(Number);
+  assert.ok(Math.abs(to - from - 2.23 / 4) < 2e-3);
+  assert.ok(from < 1 && 1 < to);
+  await goTo(page, 400); // out of view: the view follows
+  const [later] = (await page.textContent('#window')).match(/[\d.]+/g).map(Number);
+  assert.ok(later > to - 0.6);
+  await page.click('#all');
+  assert.equal(await page.textContent('#window'), '');
+  await page.close();
+});
+
+test('the robot shows the answers that are chosen, and curves can be hidden', async () => {
+  const page = await open('walk.html');
+  await goTo(page, 97);
+  const first = await picture(page);
+  await page.selectOption('#shown', '1');
+  assert.notEqual(await picture(page), first);
+  assert.match(await page.textContent('#key'), /ground reaction, constrained/);
+  await page.getByLabel('human-transition').last().uncheck();
+  assert.deepEqual(Object.keys(await values(page, 'left hip, N m')), ['plates', 'published', 'run 1']);
+  for (const layer of ['ground reactions', 'measured ones', 'friction cones', 'torques', 'other instants']) {
+    const with_it = await picture(page);
+    await page.getByLabel(layer, {exact: true}).uncheck();
+    assert.notEqual(await picture(page), with_it, layer);
+  }
+  await page.close();
+});
+
+for (const [name, title] of [['walk.html', 'measured walk'], ['rk.html', 'rolling knees'], ['compass.html', 'compass']])
+  for (const [width, theme] of [[400, 'light'], [1600, 'dark'], [1600, 'light']])
+    test(`${title}: at ${width} px, ${theme}, nothing is cut off and axe finds nothing`, async () => {
+      const page = await open(name, {width, theme});
+      await goTo(page, 60);
+      const wide = await page.evaluate(() => document.documentElement.scrollWidth);
+      assert.ok(wide <= width, `the page is ${wide} px wide`);
+      await page.screenshot({path: join(PICTURES, `${name.replace('.html', '')}-${width}-${theme}.png`), fullPage: true});
+      await page.evaluate(axe);
+      const {violations} = await page.evaluate(() => axe.run());
+      assert.deepEqual(violations.map(({id, nodes}) => [id, ...nodes.slice(0, 3).map(node => node.html + ' ' + node.failureSummary)]), []);
+      await page.close();
+    });
+
+test('light and dark can be changed', async () => {
+  const page = await open('walk.html', {theme: 'dark'});
+  const dark = await picture(page);
+  await page.click('#theme');
+  assert.equal(await page.getAttribute('html', 'data-theme'), 'light');
+  assert.notEqual(await picture(page), dark);
+  await page.close();
+});
+
+test('nothing was complained about, and nothing asked for from elsewhere', () => assert.deepEqual(complaints, []));
