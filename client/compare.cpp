@@ -95,14 +95,6 @@ struct Part
   std::vector<bool> chosen; // by sample
 };
 
-std::vector<double> values(const Channel& channel, const std::vector<std::optional<Answer>>& answers)
-{
-  std::vector<double> result;
-  for (const std::optional<Answer>& answer : answers)
-    result.push_back(answer ? channel.of(*answer) : NAN);
-  return result;
-}
-
 // Rows of a table: what is compared, as a name and its values for a channel.
 struct Compared
 {
@@ -164,7 +156,7 @@ void print_agreements(const std::vector<Channel>& channels, const std::vector<Me
   for (const MethodRun& run : runs)
     methods.push_back({run.method, [&run](const Channel& channel)
                        {
-                         return values(channel, run.answers);
+                         return values_of(channel, run.answers);
                        }});
   std::vector<Compared> plates_first = methods;
   const auto from_plates = [&channels](int joint)
@@ -214,7 +206,7 @@ void write_json(const std::string& path, const Robot& robot, const std::vector<D
                             {"unit", channel.unit},
                             {"range", channel.range()}});
       for (const Part& part : parts)
-        agreements.back()[part.key] = json(agreement(channel, values(channel, run.answers), part.chosen));
+        agreements.back()[part.key] = json(agreement(channel, values_of(channel, run.answers), part.chosen));
     }
     methods.push_back({{"method", run.method},
                        {"answered", outcome.answered},

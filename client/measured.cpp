@@ -115,6 +115,14 @@ double Channel::range() const
   return most < least ? NAN : most - least;
 }
 
+std::vector<double> values_of(const Channel& channel, const std::vector<std::optional<Answer>>& answers)
+{
+  std::vector<double> values;
+  for (const std::optional<Answer>& answer : answers)
+    values.push_back(answer ? channel.of(*answer) : NAN);
+  return values;
+}
+
 Measured read_measured(std::string_view bytes, const std::string& file, const Robot& robot,
                        const std::vector<DesiredState>& states)
 {

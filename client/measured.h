@@ -12,6 +12,7 @@
 #include "daemon/answer.h"
 
 #include <array>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -36,6 +37,9 @@ struct Channel
   /// Largest value less smallest one; NaN without values.
   double range() const;
 };
+
+/// The same quantity of a motion's answers, by sample; NaN where there is none.
+std::vector<double> values_of(const Channel& channel, const std::vector<std::optional<Answer>>& answers);
 
 /// What was measured along a motion.
 struct Measured

@@ -11,6 +11,7 @@
 #include <CLI/CLI.hpp>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <filesystem>
 #include <fmt/format.h>
@@ -311,8 +312,8 @@ double seconds(const std::optional<std::string>& text, double otherwise)
   return text ? std::stod(*text) : otherwise;
 }
 
-// "constrained: 445 of 447 samples answered, INFEASIBLE 2"
-std::string summary(const ReportRun& run)
+// "constrained: 445 of 447 samples answered, INFEASIBLE 2; rms from the plates 42.8 N forward, 42.0 N upward"
+std::string summary(const ReportMotion& motion, const ReportRun& run)
 {
   std::string line = fmt::format("{}: {} of {} samples answered", run.name,
                                  std::count_if(run.answers.begin(), run.answers.end(),
@@ -320,6 +321,14 @@ std::string summary(const ReportRun& run)
                                  run.answers.size());
   for (const auto& [reason, count] : run.unanswered)
     line += fmt::format(", {} {}", reason, count);
+  const std::vector<bool> all(run.answers.size(), true);
+  std::array<double, 2> rms{}; // forward, upward; mean of both feet
+  for (const Channel& channel : motion.measured.channels)
+    if (channel.component >= 0)
+      rms[static_cast<std::size_t>(channel.component)] +=
+          0.5 * agreement(channel, values_of(channel, run.answers), all).rms;
+  if (rms[1] > 0.0)
+    line += fmt::format("; rms from the plates {:.1f} N forward, {:.1f} N upward", rms[0], rms[1]);
   return line;
 }
 
@@ -379,7 +388,7 @@ ExitCode report(const Options& options)
   if (options.out != "-")
     for (const ReportMotion& motion : motions)
       for (const ReportRun& run : motion.runs)
-        fmt::print("{}: {}\n", motion.source, summary(run));
+        fmt::print("{}: {}\n", motion.source, summary(motion, run));
   return ExitCode::done;
 }
 

@@ -290,10 +290,7 @@ Json agreements(const ReportMotion& motion, const ReportRun& run)
   const std::vector<bool> all(motion.states.size(), true);
   for (const Channel& channel : motion.measured.channels)
   {
-    std::vector<double> computed;
-    for (const std::optional<Answer>& answer : run.answers)
-      computed.push_back(answer ? channel.of(*answer) : NAN);
-    const Agreement found = agreement(channel, computed, all);
+    const Agreement found = agreement(channel, values_of(channel, run.answers), all);
     list.push_back({{"channel", quantity_name(channel)},
                     {"published", channel.published},
                     {"unit", channel.unit},

@@ -586,6 +586,7 @@
       panel.cursor.style.visibility = inside ? 'visible' : 'hidden';
       if (inside) panel.cursor.style.transform = `translateX(${panel.dygraph.toDomXCoord(now)}px)`;
       const written = seriesOf(panel).filter(({key, owner}) => few || owner === shown || !key.startsWith('run'))
+        .sort((a, b) => (a.owner.index ?? -1) - (b.owner.index ?? -1))
         .map(({key, owner, motion, ink}) => ({key, ink, value: valueAt(owner.frames, panel.name, frameAt(motion, now))}));
       while (panel.values.children.length > written.length) panel.values.lastChild.remove();
       while (panel.values.children.length < written.length) panel.values.append(make('span'));
