@@ -1,9 +1,43 @@
 #include "client/recorded.h"
 
+#include "client/failure.h"
 #include "client/lcm_log.h"
+#include "robot/printable.h"
+
+#include <algorithm>
+#include <fmt/format.h>
 
 namespace torqued
 {
+
+Robot shipped_robot(const model_info_t& model, const std::string& where)
+{
+  const auto shipped = shipped_robot_names();
+  if (std::find(shipped.begin(), shipped.end(), model.name) != shipped.end())
+    if (Robot robot = load_robot(model.name); robot.model_id == model.model_id)
+      return robot;
+  throw Failure(ExitCode::bad_data,
+                fmt::format("{}: robot {} (model_id {}) is none that ships; --robot FILE says what it is", where,
+                            printable(model.name), model.model_id));
+}
+
+Answer to_answer(const torque_command_t& command)
+{
+  const auto reaction = [](const ground_reaction_t& r)
+  {
+    return GroundReaction{{r.fx, r.fz, r.moment}, r.cop, r.friction_ratio};
+  };
+  return {.utime = command.utime,
+          .stream_id = command.stream_id,
+          .method = static_cast<Method>(command.method),
+          .flags = command.flags,
+          .ground = {reaction(command.left), reaction(command.right)},
+          .zmp = command.zmp,
+          .dynamics_residual = command.dynamics_residual,
+          .contact_speed = command.contact_speed,
+          .contact_residual = command.contact_residual,
+          .torque = Eigen::Map<const Eigen::VectorXd>(command.torque.data(), command.num_joints)};
+}
 
 RecordedAnswers::RecordedAnswers(std::string_view log, const Channels& channels)
 {

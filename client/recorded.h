@@ -7,12 +7,21 @@
 #include <deque>
 #include <map>
 #include <optional>
+#include <string>
 #include <string_view>
 #include <utility>
 #include <variant>
 
 namespace torqued
 {
+
+/// The robot that a daemon computed: the one that ships with that name and model_id.
+///
+/// where: what holds the model, for complaints. Throws Failure, bad_data, if none is it.
+Robot shipped_robot(const model_info_t& model, const std::string& where);
+
+/// A command as the daemon had it. Requires: as many torques as the robot has actuators.
+Answer to_answer(const torque_command_t& command);
 
 /// One answer, and when the logger heard it, µs by its clock.
 struct RecordedAnswer

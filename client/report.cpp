@@ -62,15 +62,7 @@ Robot find_robot(const Trajectory& trajectory, const Config& config, const Optio
 {
   if (!options.robot.empty() || !trajectory.recorded_model)
     return load_robot(config.robot);
-  const model_info_t& model = *trajectory.recorded_model;
-  const auto shipped = shipped_robot_names();
-  if (std::find(shipped.begin(), shipped.end(), model.name) != shipped.end())
-    if (Robot robot = load_robot(model.name); robot.model_id == model.model_id)
-      return robot;
-  throw Failure(ExitCode::bad_data,
-                fmt::format("{}: was recorded with robot {} (model_id {}), which is none that ships; --robot FILE says "
-                            "what it is",
-                            trajectory.file, printable(model.name), model.model_id));
+  return shipped_robot(*trajectory.recorded_model, trajectory.file);
 }
 
 // Of several streams the one with the most samples: their clocks have nothing to do with one another.
@@ -139,27 +131,6 @@ Samples choose_samples(const Robot& robot, const Trajectory& trajectory, double 
   return samples;
 }
 
-Answer to_answer(const torque_command_t& command, const Robot& robot, const std::string& place)
-{
-  if (command.num_joints != robot.num_joints())
-    throw Failure(ExitCode::bad_data, fmt::format("{}: was answered with {} torques; expected {}, those of {}", place,
-                                                  command.num_joints, robot.num_joints(), robot.name));
-  const auto reaction = [](const ground_reaction_t& r)
-  {
-    return GroundReaction{{r.fx, r.fz, r.moment}, r.cop, r.friction_ratio};
-  };
-  return {.utime = command.utime,
-          .stream_id = command.stream_id,
-          .method = static_cast<Method>(command.method),
-          .flags = command.flags,
-          .ground = {reaction(command.left), reaction(command.right)},
-          .zmp = command.zmp,
-          .dynamics_residual = command.dynamics_residual,
-          .contact_speed = command.contact_speed,
-          .contact_residual = command.contact_residual,
-          .torque = Eigen::Map<const Eigen::VectorXd>(command.torque.data(), command.num_joints)};
-}
-
 // what the daemon answered; nothing if the log holds no answers
 std::optional<ReportRun> recorded_run(const Input& input, const Samples& samples, const Robot& robot,
                                       const Channels& channels)
@@ -182,7 +153,11 @@ std::optional<ReportRun> recorded_run(const Input& input, const Samples& samples
       run.times.push_back({NAN, NAN});
       continue;
     }
-    run.answers.emplace_back(to_answer(*command, robot, input.trajectory.place(i)));
+    if (command->num_joints != robot.num_joints())
+      throw Failure(ExitCode::bad_data,
+                    fmt::format("{}: was answered with {} torques; expected {}, those of {}", input.trajectory.place(i),
+                                command->num_joints, robot.num_joints(), robot.name));
+    run.answers.emplace_back(to_answer(*command));
     run.times.push_back(
         {1e-3 * command->compute_ns, static_cast<double>(answer->timestamp - input.trajectory.heard[i])});
     if (command->method != 0)

@@ -61,9 +61,9 @@ struct Thinning
 {
   std::size_t samples, stride, per_stretch;
 
-  explicit Thinning(std::size_t count)
-      : samples(count), stride(count / kMostFrames + (count % kMostFrames == 0 ? 0 : 1)),
-        per_stretch(stride > 1 ? (count + kMostStretches - 1) / kMostStretches : 0)
+  Thinning(std::size_t count, const Resolution& resolution)
+      : samples(count), stride((count + resolution.frames - 1) / resolution.frames),
+        per_stretch(stride > 1 ? (count + resolution.stretches - 1) / resolution.stretches : 0)
   {
   }
 };
@@ -341,10 +341,10 @@ std::vector<Quantity> plate_pressure(const Robot& robot, const ReportMotion& mot
   return quantities;
 }
 
-Json describe(const Robot& robot, const ReportMotion& motion)
+Json describe(const Robot& robot, const ReportMotion& motion, const Resolution& resolution)
 {
   const std::vector<DesiredState>& states = motion.states;
-  const Thinning thinning(states.size());
+  const Thinning thinning(states.size(), resolution);
   const auto seconds = [&states](std::size_t i)
   {
     return 1e-6 * static_cast<double>(states[i].utime - states.front().utime);
@@ -366,7 +366,10 @@ Json describe(const Robot& robot, const ReportMotion& motion)
     };
   };
 
-  Json json{{"source", motion.source}, {"samples", states.size()}, {"seconds", seconds(states.size() - 1)}};
+  Json json{{"source", motion.source},
+            {"start", motion.start},
+            {"samples", states.size()},
+            {"seconds", seconds(states.size() - 1)}};
   json["time"] = base64(times);
   if (thinning.per_stretch > 0)
     json["curve_time"] = base64(curve_times);
@@ -405,11 +408,16 @@ Json describe(const Robot& robot, const ReportMotion& motion)
 
 } // namespace
 
-std::string report_document(const Robot& robot, const std::vector<ReportMotion>& motions)
+std::string robot_document(const Robot& robot)
+{
+  return describe(robot).dump();
+}
+
+std::string report_document(const Robot& robot, const std::vector<ReportMotion>& motions, const Resolution& resolution)
 {
   Json document{{"robot", describe(robot)}, {"motions", Json::array()}};
   for (const ReportMotion& motion : motions)
-    document["motions"].push_back(describe(robot, motion));
+    document["motions"].push_back(describe(robot, motion, resolution));
   return document.dump();
 }
 

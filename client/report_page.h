@@ -33,21 +33,29 @@ struct ReportRun
 struct ReportMotion
 {
   std::string source; ///< the file's name, for people
+  double start = 0.0; ///< time of the first sample, s
   std::vector<DesiredState> states;
   std::vector<ReportRun> runs;
   Measured measured;
 };
 
 /// The most samples of a motion that a page holds one by one. Of a longer one it holds this many poses, and curves as
-/// the least and the largest value of each of kMostStretches stretches, so that no peak is lost; figures are always
-/// those of all samples.
-inline constexpr std::size_t kMostFrames = 36'000;
-inline constexpr std::size_t kMostStretches = 20'000;
+/// the least and the largest value of each of so many stretches, so that no peak is lost; figures are always those of
+/// all samples.
+struct Resolution
+{
+  std::size_t frames = 36'000;
+  std::size_t stretches = 20'000;
+};
 
 /// What the page shows, as JSON; page.js says how it is read.
 ///
 /// Numbers of a column are 32-bit floats (times: 64-bit), little-endian, in base64; NaN where there is none.
-std::string report_document(const Robot& robot, const std::vector<ReportMotion>& motions);
+std::string report_document(const Robot& robot, const std::vector<ReportMotion>& motions,
+                            const Resolution& resolution = {});
+
+/// The robot's part of the document.
+std::string robot_document(const Robot& robot);
 
 /// A page that needs nothing else: document, style, script and the plotting library in one HTML text.
 std::string report_page(const std::string& title, const std::string& document);

@@ -34,6 +34,7 @@ Subcommand add_gait(CLI::App& torquectl);
 Subcommand add_project(CLI::App& torquectl);
 Subcommand add_export(CLI::App& torquectl);
 Subcommand add_report(CLI::App& torquectl);
+Subcommand add_view(CLI::App& torquectl);
 Subcommand add_model(CLI::App& torquectl);
 Subcommand add_status(CLI::App& torquectl);
 Subcommand add_doctor(CLI::App& torquectl);

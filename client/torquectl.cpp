@@ -46,10 +46,10 @@ int parse_and_run(int argc, const char* const* argv)
              "  torquectl model --robot human-subject01\n\n"
              "Exit codes: 0 done, 64 wrong usage, 65 bad input data, 69 no bus, 78 bad configuration or robot,\n"
              "1 anything else.");
-  const std::vector<Subcommand> subcommands{add_send(app),     add_echo(app),     add_eval(app),  add_compare(app),
-                                            add_dynamics(app), add_wrenches(app), add_gait(app),  add_project(app),
-                                            add_export(app),   add_report(app),   add_model(app), add_status(app),
-                                            add_doctor(app)};
+  const std::vector<Subcommand> subcommands{add_send(app),    add_echo(app),     add_view(app),     add_eval(app),
+                                            add_compare(app), add_report(app),   add_export(app),   add_gait(app),
+                                            add_project(app), add_dynamics(app), add_wrenches(app), add_model(app),
+                                            add_status(app),  add_doctor(app)};
   const auto chosen = [&]
   {
     return std::find_if(subcommands.begin(), subcommands.end(), [](const Subcommand& s) { return s.app->parsed(); });

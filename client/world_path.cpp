@@ -7,7 +7,7 @@ namespace torqued
 
 std::optional<Kinematics> WorldPath::next(const DesiredState& desired)
 {
-  Result<Motion> completed = complete_motion(robot_, desired);
+  Result<Motion> completed = complete_motion(*robot_, desired);
   if (std::holds_alternative<Refusal>(completed))
     return std::nullopt;
   Kinematics now = std::get<Motion>(completed).now;
@@ -15,8 +15,8 @@ std::optional<Kinematics> WorldPath::next(const DesiredState& desired)
   std::array<std::optional<double>, 2> footholds;
   for (const Side side : kSides)
     if (const Contact contact = desired.support.of(side); contact != Contact::none)
-      footholds[static_cast<std::size_t>(side)] = foothold(robot_, now, side, contact);
-  if (!desired.base_given && !robot_.fixed_root())
+      footholds[static_cast<std::size_t>(side)] = foothold(*robot_, now, side, contact);
+  if (!desired.base_given && !robot_->fixed_root())
   {
     // the foot that carries most now is the one that rests
     const Side resting =

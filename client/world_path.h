@@ -18,13 +18,13 @@ class WorldPath
 {
 public:
   /// Requires: the robot outlives this.
-  explicit WorldPath(const Robot& robot) : robot_(robot) {}
+  explicit WorldPath(const Robot& robot) : robot_(&robot) {}
 
   /// The robot at the next sample; nothing where its contacts cannot be (complete_motion() refuses).
   std::optional<Kinematics> next(const DesiredState& desired);
 
 private:
-  const Robot& robot_;
+  const Robot* robot_;
   double offset_ = 0.0;                              // of the base's x where it follows from contact, m
   std::array<std::optional<double>, 2> footholds_{}; // of the feet in contact at the sample before, world x, m
 };

@@ -1,4 +1,5 @@
-// The page of torquectl report: the robot walks on the stage, curves and figures follow the same cursor.
+// The page of torquectl report and view: the robot walks on the stage, curves and figures follow the same cursor. For
+// view it fetches the last seconds anew, four times a second.
 //
 // The document (report_page.h): robot {links, joints, feet}; motions, each with times and poses by frame and the runs that
 // answered it. A run's columns are `frames` by name and, of a motion too long to be held whole, `curves`: the least and
@@ -25,22 +26,44 @@
   const CONTACTS = ['none', 'heel', 'sole', 'toe'];
   const SIDES = ['L', 'R'];
   const FLAGS = ['SLIPS', 'LIFTS', 'TIPS', 'OVER_TORQUE', 'CLAMPED', 'RELAXED', 'INCONSISTENT', 'LATE', 'OVER_RATE', 'PROJECTED'];
-  const motions = report.motions.map(motion => ({
-    ...motion,
-    time: new Float64Array(bytes(motion.time)),
-    curveTime: motion.curve_time ? new Float64Array(bytes(motion.curve_time)) : null,
-    poses: new Float32Array(bytes(motion.poses)),
-    contacts: SIDES.map(side => column(motion.frames, 'contact' + side)),
-  }));
-  const runs = motions.flatMap(motion => motion.runs.map(run => ({...run, motion, visible: true})));
-  runs.forEach((run, index) => { run.index = index; });
-  const duration = Math.max(...motions.map(motion => motion.seconds), 1e-6);
-
-  let shown = runs[0];        // whose torques and forces the robot shows
+  let motions = [], runs = [];
+  let begin = 0, end = 1;     // s, of what there is
+  let shown = null;           // the run whose torques and forces the robot shows
   let now = 0;                // s
-  let view = [0, duration > 20 ? 10 : duration]; // s, what the curves show
+  let view = [0, 1];          // s, what the curves show
   let playing = false;
+  const hidden = new Set();   // runs that are not among the curves, by index
   const layers = {forces: true, measured: true, cones: true, torques: true, poses: true};
+
+  // takes a document's motions, and works out what is drawn again and again
+  const load = document => {
+    decoded.clear();
+    motions = document.motions.map(motion => {
+      const shift = t => t + motion.start;
+      return {
+        ...motion,
+        time: new Float64Array(bytes(motion.time)).map(shift),
+        curveTime: motion.curve_time ? new Float64Array(bytes(motion.curve_time)).map(shift) : null,
+        poses: new Float32Array(bytes(motion.poses)),
+        contacts: SIDES.map(side => column(motion.frames, 'contact' + side)),
+      };
+    });
+    for (const motion of motions) {
+      motion.top = topOf(motion);
+      motion.path = pathOf(motion);
+      motion.strobes = strobesOf(motion);
+      motion.stances = motion.contacts.map(stretches);
+    }
+    runs = motions.flatMap(motion => motion.runs.map(run => ({...run, motion})));
+    runs.forEach((run, index) => {
+      run.index = index;
+      run.flagRows = flagRowsOf(run);
+    });
+    shown = runs[shown ? Math.min(shown.index, runs.length - 1) : 0] || null;
+    begin = Math.min(...motions.map(motion => motion.time[0]));
+    end = Math.max(begin + 1e-6, ...motions.map(motion => motion.time[motion.time.length - 1]));
+  };
+  const isVisible = run => !hidden.has(run.index);
 
   // ---- numbers ----
 
@@ -110,7 +133,7 @@
   };
   const root = robot.links.findIndex(link => link.parent < 0);
   // top of the robot as it stands at the beginning, m
-  const top = motion => {
+  const topOf = motion => {
     let highest = robot.leg_length;
     robot.links.forEach((link, index) => link.segments.forEach(([x1, z1, x2, z2]) => {
       for (const point of [[x1, z1], [x2, z2]]) {
@@ -120,9 +143,8 @@
     }));
     return highest;
   };
-  const tops = new Map(motions.map(motion => [motion, top(motion)]));
   // the root's x, smoothed over half a second so that the camera glides
-  const camera = new Map(motions.map(motion => {
+  const pathOf = motion => {
     const {time} = motion;
     const x = Float64Array.from(time, (_, i) => pose(motion, i, root).x);
     const smooth = new Float64Array(x.length);
@@ -132,21 +154,21 @@
       for (; time[from] < time[i] - 0.25; ++from) if (!Number.isNaN(x[from])) { sum -= x[from]; --count; }
       smooth[i] = count > 0 ? sum / count : i > 0 ? smooth[i - 1] : 0;
     }
-    return [motion, smooth];
-  }));
+    return smooth;
+  };
   // frames about a quarter of a leg apart: the path of the walk, as in a chronophotograph
-  const strobes = new Map(motions.map(motion => {
-    const path = camera.get(motion);
+  const strobesOf = motion => {
+    const apart = 0.27 * robot.leg_length;
     const frames = [];
-    let last = -Infinity;
-    path.forEach((x, i) => {
-      if (Math.abs(x - last) < 0.27 * robot.leg_length) return;
+    let last = NaN;
+    motion.path.forEach((x, i) => {
+      const cell = Math.floor(x / apart); // the same places whatever the motion begins with
+      if (cell === last) return;
       frames.push(i);
-      last = x;
+      last = cell;
     });
-    return [motion, frames];
-  }));
-  const peaks = new Map(runs.map(run => [run, Math.max(run.figures.peak, 1e-9)]));
+    return frames;
+  };
 
   const drawLinks = (pen, motion, frame, place, scale, strokeOf) => {
     for (const side of ['left', null, 'right'])
@@ -215,8 +237,8 @@
     const motion = shown.motion;
     const frame = frameAt(motion, now);
     const ground = height - 34;
-    const scale = (ground - 12) / (1.04 * tops.get(motion));
-    const middle = camera.get(motion)[frame];
+    const scale = (ground - 12) / (1.04 * motion.top);
+    const middle = motion.path[frame];
     const place = ([x, z]) => [width / 2 + (x - middle) * scale, ground - z * scale];
     const newtons = 0.75 * robot.leg_length / robot.weight * scale; // px per N
 
@@ -236,8 +258,8 @@
 
     if (layers.poses) {
       pen.globalAlpha = 0.13;
-      for (const strobe of strobes.get(motion))
-        if (Math.abs(camera.get(motion)[strobe] - middle) < reach + robot.leg_length)
+      for (const strobe of motion.strobes)
+        if (Math.abs(motion.path[strobe] - middle) < reach + robot.leg_length)
           drawLinks(pen, motion, strobe, place, scale, () => colour('quiet'));
       pen.globalAlpha = 1;
     }
@@ -272,7 +294,7 @@
         const torque = valueAt(shown.frames, 'tau_' + joint.name, frame);
         const at = place(jointPlace(motion, frame, joint));
         if (Number.isNaN(torque) || Number.isNaN(at[0])) continue;
-        const share = torque / peaks.get(shown);
+        const share = torque / Math.max(shown.figures.peak, 1e-9);
         const radius = Math.max(5, 0.028 * robot.leg_length * scale);
         pen.fillStyle = colour('card');
         pen.strokeStyle = main[robot.links[joint.child].side];
@@ -333,17 +355,12 @@
       }
     return found;
   };
-  const contactStretches = new Map(motions.map(motion => [motion, motion.contacts.map(stretches)]));
   const endOf = (motion, frame) => motion.time[Math.min(frame + 1, motion.time.length - 1)];
-  const flagStretches = new Map();
-  const flagsOf = run => {
-    if (!flagStretches.has(run)) {
-      const values = column(run.frames, 'flags');
-      const rows = FLAGS.map((name, bit) => ({name, found: stretches(Float32Array.from(values, v => v >> bit & 1)).filter(s => s[2] === 1)}));
-      const unanswered = stretches(Float32Array.from(values, v => Number.isNaN(v) ? 1 : 0)).filter(s => s[2] === 1);
-      flagStretches.set(run, [{name: 'no answer', found: unanswered}, ...rows].filter(row => row.found.length > 0));
-    }
-    return flagStretches.get(run);
+  const flagRowsOf = run => {
+    const values = column(run.frames, 'flags');
+    const set = test => stretches(Float32Array.from(values, v => test(v) ? 1 : 0)).filter(stretch => stretch[2] === 1);
+    return [{name: 'no answer', found: set(Number.isNaN)}, ...FLAGS.map((name, bit) => ({name, found: set(v => v >> bit & 1)}))]
+      .filter(row => row.found.length > 0);
   };
   const STRIP_LEFT = 92, STRIP_RIGHT = 8, ROW = 15;
   const stripX = (width, t) => STRIP_LEFT + (t - view[0]) / (view[1] - view[0]) * (width - STRIP_LEFT - STRIP_RIGHT);
@@ -352,7 +369,7 @@
     const motion = shown.motion;
     const rows = [
       ...robot.feet.map(foot => ({name: foot.side + ' foot', foot: foot.side === 'left' ? 0 : 1})),
-      ...flagsOf(shown),
+      ...shown.flagRows,
     ];
     const {pen, width, height} = fitCanvas(byId('strip'), ROW * rows.length + 4);
     pen.font = '11px system-ui, sans-serif';
@@ -364,7 +381,7 @@
       pen.fillText(row.foot === undefined ? row.name.toLowerCase().replace('_', ' ') : row.name, STRIP_LEFT - 8, y + ROW / 2);
       pen.fillStyle = colour('grid');
       pen.fillRect(STRIP_LEFT, y + 2, width - STRIP_LEFT - STRIP_RIGHT, ROW - 4);
-      const found = row.foot === undefined ? row.found : contactStretches.get(motion)[row.foot];
+      const found = row.foot === undefined ? row.found : motion.stances[row.foot];
       for (const [from, to, value] of found) {
         if (row.foot !== undefined && !(value > 0)) continue;
         if (motion.time[from] > view[1] || endOf(motion, to) < view[0]) continue;
@@ -430,7 +447,7 @@
   const seriesOf = panel => [
     {key: 'plates', owner: shown.motion.plates, motion: shown.motion, ink: colour('measured'), width: 4},
     {key: 'published', owner: shown.motion.published, motion: shown.motion, ink: colour('quiet'), width: 1.5, pattern: [2, 3]},
-    ...runs.filter(run => run.visible).sort((a, b) => (a === shown) - (b === shown))
+    ...runs.filter(isVisible).sort((a, b) => (a === shown) - (b === shown))
       .map(run => ({key: 'run ' + run.index, owner: run, motion: run.motion, ink: runColour(run), width: run === shown ? 2 : 1.4})),
   ].map(series => ({...series, curve: curveOf(series.owner, series.motion, panel.name)})).filter(series => series.curve);
 
@@ -458,7 +475,7 @@
       scrub(panel, event);
     });
     plot.addEventListener('pointermove', event => { if (event.buttons & 1) scrub(panel, event); });
-    plot.addEventListener('dblclick', () => setView([0, duration]));
+    plot.addEventListener('dblclick', () => setView([begin, end]));
     plot.addEventListener('wheel', event => {
       if (!event.ctrlKey) return;
       event.preventDefault();
@@ -521,7 +538,7 @@
   const underlay = panel => (pen, area, dygraph) => {
     if (panel.side) {
       const motion = shown.motion;
-      for (const [from, to, value] of contactStretches.get(motion)[panel.side === 'left' ? 0 : 1]) {
+      for (const [from, to, value] of motion.stances[panel.side === 'left' ? 0 : 1]) {
         if (!(value > 0)) continue;
         const a = Math.max(dygraph.toDomXCoord(motion.time[from]), area.x);
         const b = Math.min(dygraph.toDomXCoord(endOf(motion, to)), area.x + area.w);
@@ -579,7 +596,7 @@
   // ---- one cursor ----
 
   const showCursor = () => {
-    const few = runs.filter(run => run.visible).length <= 3;
+    const few = runs.filter(isVisible).length <= 3;
     for (const panel of panels) {
       if (!panel.dygraph) continue;
       const inside = now >= view[0] && now <= view[1];
@@ -600,29 +617,29 @@
     }
   };
   const setTime = t => {
-    now = Math.min(Math.max(t, 0), duration);
+    now = Math.min(Math.max(t, begin), end);
     const length = view[1] - view[0];
     if (now > view[1] || now < view[0]) {
-      const from = Math.min(Math.max(now - 0.1 * length, 0), duration - length);
+      const from = Math.min(Math.max(now - 0.1 * length, begin), end - length);
       setView([from, from + length]);
     }
     const motion = shown.motion, frame = frameAt(motion, now);
     const slider = byId('time');
     slider.value = frame;
     slider.setAttribute('aria-valuetext', `${motion.time[frame].toFixed(3)} s`);
-    byId('clock').textContent = `${motion.time[frame].toFixed(3)} of ${duration.toFixed(3)} s`;
+    byId('clock').textContent = `${motion.time[frame].toFixed(3)} of ${end.toFixed(3)} s`;
     showCursor();
     drawStage();
     drawStrip();
   };
   const setView = ([from, to]) => {
-    const length = Math.min(Math.max(to - from, 1e-3), duration);
-    const begin = Math.min(Math.max(from, 0), duration - length);
-    view = [begin, begin + length];
+    const length = Math.min(Math.max(to - from, 1e-3), end - begin);
+    const first = Math.min(Math.max(from, begin), end - length);
+    view = [first, first + length];
     showView();
   };
   const showView = () => {
-    byId('window').textContent = view[1] - view[0] < duration ? `${view[0].toFixed(3)} to ${view[1].toFixed(3)} s` : '';
+    byId('window').textContent = view[1] - view[0] < end - begin ? `${view[0].toFixed(3)} to ${view[1].toFixed(3)} s` : '';
     plotAll();
     drawStrip();
   };
@@ -640,7 +657,7 @@
     if (!playing) return;
     if (lastTick !== null) {
       const next = now + Number(byId('speed').value) * Math.min((stamp - lastTick) / 1000, 0.1);
-      setTime(next > duration ? 0 : next);
+      setTime(next > end ? begin : next);
     }
     lastTick = stamp;
     requestAnimationFrame(tick);
@@ -651,7 +668,55 @@
     byId('play').textContent = on ? 'Pause' : 'Play';
     if (on) requestAnimationFrame(tick);
   };
-  const pause = () => { if (playing) setPlaying(false); };
+  const pause = () => {
+    if (playing) setPlaying(false);
+    if (following) setFollowing(false);
+  };
+  const toggle = () => report.live ? setFollowing(!following) : setPlaying(!playing);
+
+  // ---- live: what is shown is the last seconds, a little late so that it runs smoothly ----
+
+  const LATE = 0.35; // s
+  let following = false, lastFrame = null, timer = 0;
+  const fetchLast = async () => {
+    if (!following) return;
+    try {
+      const heard = await (await fetch('document', {cache: 'no-store'})).json();
+      if (JSON.stringify(heard.robot) !== JSON.stringify(robot)) { location.reload(); return; }
+      if (heard.motions.length > 0 && following) {
+        const first = motions.length === 0;
+        const closer = view[1] - view[0] < end - begin ? view[1] - view[0] : Infinity;
+        load(heard);
+        if (first) begun();
+        view = [Math.max(begin, end - closer), end];
+        if (Math.abs(now - (end - LATE)) > 0.5) now = end - LATE;
+        refresh();
+      }
+    } catch {
+      byId('summary').textContent = `${robot.name} · torquectl view is gone; reload this page when it runs again`;
+    }
+    timer = setTimeout(fetchLast, 250);
+  };
+  const flow = stamp => {
+    if (!following) return;
+    if (lastFrame !== null && motions.length > 0) {
+      const passed = (stamp - lastFrame) / 1000;
+      setTime(now + passed + 0.05 * (end - LATE - now - passed)); // towards where it should be
+    }
+    lastFrame = stamp;
+    requestAnimationFrame(flow);
+  };
+  const setFollowing = on => {
+    if (following === on) return;
+    following = on;
+    lastFrame = null;
+    byId('play').textContent = on ? 'Freeze' : 'Live';
+    if (on) {
+      clearTimeout(timer);
+      fetchLast();
+      requestAnimationFrame(flow);
+    }
+  };
 
   // ---- figures ----
 
@@ -659,6 +724,7 @@
   const words = name => name.toLowerCase().replace('_', ' ');
   const fillFigures = () => {
     const table = byId('figures');
+    table.replaceChildren();
     const group = (title, rows) => {
       if (rows.length === 0) return;
       const body = make('tbody', {}, make('tr', {class: 'group'}, make('th', {scope: 'rowgroup', colspan: runs.length + 1, text: title})));
@@ -712,7 +778,7 @@
       choice.append(make('option', {value: run.index, text: run.name}));
       const box = make('input', {type: 'checkbox'});
       box.checked = true;
-      box.addEventListener('change', () => { run.visible = box.checked; ranges.clear(); plotAll(); });
+      box.addEventListener('change', () => { if (box.checked) hidden.delete(run.index); else hidden.add(run.index); ranges.clear(); plotAll(); });
       byId('runs').append(make('label', {}, box, make('span', {class: 'swatch', mark: `var(--run-${run.index % 10})`}), run.name));
     }
     choice.addEventListener('change', () => show(runs[Number(choice.value)]));
@@ -756,24 +822,46 @@
   // ---- start ----
 
   setTheme(window.matchMedia('(prefers-color-scheme: dark)').matches ? 'dark' : 'light');
-  byId('summary').textContent = [robot.name, ...motions.map(motion =>
-    `${motion.source}: ${motion.samples} samples in ${motion.seconds.toFixed(3)} s${motion.curveTime ? ', thinned for drawing' : ''}`)].join(' · ');
-  fillRuns();
-  fillFigures();
-  fillLayers();
-  buildPanels();
-  show(shown);
-  byId('theme').addEventListener('click', () => {
-    setTheme(document.documentElement.dataset.theme === 'dark' ? 'light' : 'dark');
+  const summary = () => [robot.name, ...motions.map(motion =>
+    `${motion.source}: ${motion.samples} samples in ${motion.seconds.toFixed(3)} s${motion.curveTime && !report.live ? ', thinned for drawing' : ''}`)].join(' · ');
+  // the first motion is here
+  const begun = () => {
+    fillRuns();
+    fillLayers();
+    buildPanels();
+    view = [begin, report.live || end - begin <= 20 ? end : begin + 10];
+    now = begin;
+    byId('content').hidden = false;
+    refresh();
+  };
+  const redraw = () => {
+    if (!shown) return;
     plotAll();
     setTime(now);
+  };
+  const refresh = () => {
+    byId('summary').textContent = summary();
+    fillFigures();
+    show(shown);
+  };
+  if (report.live) {
+    byId('pace').hidden = true;
+    byId('summary').textContent = `${robot.name} · nothing heard yet: waiting for desired states`;
+    setFollowing(true);
+  } else {
+    load(report);
+    begun();
+  }
+  byId('theme').addEventListener('click', () => {
+    setTheme(document.documentElement.dataset.theme === 'dark' ? 'light' : 'dark');
+    redraw();
   });
-  byId('play').addEventListener('click', () => setPlaying(!playing));
+  byId('play').addEventListener('click', () => toggle());
   byId('back').addEventListener('click', () => step(-1));
   byId('forth').addEventListener('click', () => step(1));
   byId('closer').addEventListener('click', () => zoom(0.5));
   byId('wider').addEventListener('click', () => zoom(2));
-  byId('all').addEventListener('click', () => setView([0, duration]));
+  byId('all').addEventListener('click', () => setView([begin, end]));
   byId('time').addEventListener('input', event => { pause(); setTime(shown.motion.time[Number(event.target.value)]); });
   const strip = byId('strip');
   const scrubStrip = event => {
@@ -784,8 +872,8 @@
   strip.addEventListener('pointerdown', event => { pause(); strip.setPointerCapture(event.pointerId); scrubStrip(event); });
   strip.addEventListener('pointermove', event => { if (event.buttons & 1) scrubStrip(event); });
   document.addEventListener('keydown', event => {
-    if (event.ctrlKey || event.altKey || event.metaKey || event.target.closest('input, select, button')) return;
-    const actions = {' ': () => setPlaying(!playing), ArrowLeft: () => step(-1), ArrowRight: () => step(1), '+': () => zoom(0.5), '-': () => zoom(2), 0: () => setView([0, duration])};
+    if (!shown || event.ctrlKey || event.altKey || event.metaKey || event.target.closest('input, select, button')) return;
+    const actions = {' ': toggle, ArrowLeft: () => step(-1), ArrowRight: () => step(1), '+': () => zoom(0.5), '-': () => zoom(2), 0: () => setView([begin, end])};
     if (!actions[event.key]) return;
     event.preventDefault();
     actions[event.key]();
@@ -795,7 +883,6 @@
     if (window.innerWidth === width) return;
     width = window.innerWidth;
     panels.forEach(panel => panel.dygraph.resize());
-    plotAll();
-    setTime(now);
+    redraw();
   });
 })();

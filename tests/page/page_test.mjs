@@ -1,17 +1,21 @@
-// The page of torquectl report, in a browser: what it draws is what was computed, it can be used, and by everybody.
+// The page of torquectl report and view, in a browser: what it draws is what was computed, it can be used, and by
+// everybody. Runs on a bus of its own.
 //
-// TORQUECTL, CHROMIUM: the programs. TRAJECTORIES: the folder of the measured walk. PICTURES: where screenshots go.
+// TORQUECTL, TORQUED, CHROMIUM: the programs. TRAJECTORIES: the folder of the measured walk. PICTURES: where screenshots
+// go.
 
 import assert from 'node:assert/strict';
-import {execFileSync} from 'node:child_process';
+import {execFileSync, spawn} from 'node:child_process';
+import {once} from 'node:events';
 import {mkdirSync, mkdtempSync, readFileSync, rmSync} from 'node:fs';
 import {createRequire} from 'node:module';
+import {get} from 'node:http';
 import {tmpdir} from 'node:os';
 import {join} from 'node:path';
 import {after, before, test} from 'node:test';
 import {chromium} from 'playwright-core';
 
-const {TORQUECTL, CHROMIUM, TRAJECTORIES, PICTURES} = process.env;
+const {TORQUECTL, TORQUED, CHROMIUM, TRAJECTORIES, PICTURES} = process.env;
 const walk = join(TRAJECTORIES, 'subject01-walk/walk.csv');
 const axe = readFileSync(createRequire(import.meta.url).resolve('axe-core/axe.min.js'), 'utf8');
 const folder = mkdtempSync(join(tmpdir(), 'torqued-page-'));
@@ -27,6 +31,7 @@ before(async () => {
     torquectl('eval', walk, '--robot', 'human-subject01', '--method', name, '-o', file(name + '.csv'));
   torquectl('gait', '--robot', 'rk', '-o', file('rk.csv'));
   torquectl('report', file('rk.csv'), '--robot', 'rk', '-o', file('rk.html'));
+  torquectl('eval', file('rk.csv'), '--robot', 'rk', '-o', file('rk-answers.csv'));
   torquectl('report', join(TRAJECTORIES, 'compass/case-a.csv'), '--robot', 'compass', '-o', file('compass.html'));
   // as root Chromium has no sandbox; what it loads here is our own
   browser = await chromium.launch({executablePath: CHROMIUM, args: ['--no-sandbox']});
@@ -43,12 +48,12 @@ const read = path => {
 };
 
 const complaints = [];
-const open = async (name, {width = 1400, theme = 'light'} = {}) => {
+const open = async (name, {width = 1400, theme = 'light', url = 'file://' + file(name)} = {}) => {
   const page = await browser.newPage({viewport: {width, height: 900}, colorScheme: theme});
   page.on('console', message => complaints.push(`${name}: ${message.type()}: ${message.text()}`));
   page.on('pageerror', error => complaints.push(`${name}: ${error.stack}`));
-  page.on('request', request => { if (!request.url().startsWith('file:')) complaints.push(`${name} asked for ${request.url()}`); });
-  await page.goto('file://' + file(name));
+  page.on('request', request => { if (!request.url().startsWith(url) && !request.url().startsWith('data:')) complaints.push(`${name} asked for ${request.url()}`); });
+  await page.goto(url);
   await page.waitForSelector('.plot canvas');
   return page;
 };
@@ -207,6 +212,70 @@ for (const [name, title] of [['walk.html', 'measured walk'], ['rk.html', 'rollin
       assert.deepEqual(violations.map(({id, nodes}) => [id, ...nodes.slice(0, 3).map(node => node.html + ' ' + node.failureSummary)]), []);
       await page.close();
     });
+
+test('view shows the last seconds of what is sent, live, until it is frozen', async () => {
+  const started = [];
+  const start = (program, words) => {
+    const child = spawn(program, words, {stdio: ['ignore', 'pipe', 'ignore']});
+    started.push(child);
+    return child;
+  };
+  const stop = async child => {
+    if (child.exitCode !== null) return child.exitCode;
+    child.kill('SIGINT');
+    return (await once(child, 'exit'))[0];
+  };
+  try {
+    start(TORQUED, ['--robot', 'rk']);
+    const view = start(TORQUECTL, ['view', '--port', '0', '--seconds', '3']);
+    const [line] = await once(view.stdout, 'data');
+    const url = String(line).match(/http:[^ ]+/)[0];
+    const waiting = await browser.newPage();
+    await waiting.goto(url);
+    assert.match(await waiting.textContent('#summary'), /nothing heard yet/);
+    await waiting.close();
+
+    start(TORQUECTL, ['send', '--loop', file('rk.csv')]);
+    const page = await open('view', {url});
+    await page.waitForFunction(() => Number(document.getElementById('clock').textContent.split(' ')[0]) > 4, null, {timeout: 20_000});
+    assert.match(await page.textContent('#summary'), /samples in [23]\.\d+ s/); // 3 s at the most
+    const before = await picture(page);
+    await page.waitForFunction(last => document.getElementById('stage').toDataURL() !== last, before);
+
+    await page.click('#play');
+    assert.equal(await page.textContent('#play'), 'Live');
+    await page.waitForTimeout(600);
+    const frozen = await clock(page);
+    await page.waitForTimeout(600);
+    assert.equal(await clock(page), frozen);
+    // torques that are shown are those of eval at the same instant of the walk, which is mirrored every second step
+    const answers = read(file('rk-answers.csv'));
+    const found = (await values(page, 'left knee, N m'))['run 0'];
+    assert.ok(answers.tau_left_knee.some(torque => Math.abs(torque - found) < 1e-5 * Math.max(1, Math.abs(torque))), `no answer of the walk has ${found} N m`);
+    await page.screenshot({path: join(PICTURES, 'view.png'), fullPage: true});
+    await page.evaluate(axe);
+    assert.deepEqual((await page.evaluate(() => axe.run())).violations.map(({id}) => id), []);
+
+    // a page of another site, under whatever name, is not answered; a second view says that the port is taken
+    const {port} = new URL(url);
+    const status = await new Promise((resolve, reject) => get({host: '127.0.0.1', port, path: '/document', headers: {host: 'elsewhere.example'}}, answer => resolve(answer.statusCode)).on('error', reject));
+    assert.equal(status, 403);
+    const second = spawn(TORQUECTL, ['view', '--port', port], {stdio: ['ignore', 'ignore', 'pipe']});
+    let said = '';
+    second.stderr.on('data', text => { said += text; });
+    assert.equal((await once(second, 'exit'))[0], 1);
+    assert.match(said, /--port: \d+ of 127\.0\.0\.1 cannot be had/);
+
+    await page.click('#play');
+    assert.equal(await stop(view), 0);
+    await page.waitForFunction(() => /torquectl view is gone/.test(document.getElementById('summary').textContent));
+    // what the browser says of the lost connection is no complaint of ours
+    for (let i = complaints.length; i-- > 0;) if (/^view: error: Failed to load resource: net::ERR_/.test(complaints[i])) complaints.splice(i, 1);
+    await page.close();
+  } finally {
+    for (const child of started) await stop(child);
+  }
+});
 
 test('light and dark can be changed', async () => {
   const page = await open('walk.html', {theme: 'dark'});

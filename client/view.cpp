@@ -1,0 +1,200 @@
+#include "client/bus.h"
+#include "client/live_motion.h"
+#include "client/recorded.h"
+#include "client/subcommands.h"
+#include "robot/printable.h"
+
+#include <CLI/CLI.hpp>
+#include <httplib.h>
+
+#include <fmt/format.h>
+#include <memory>
+#include <mutex>
+#include <sys/socket.h>
+#include <thread>
+
+namespace torqued
+{
+
+namespace
+{
+
+constexpr const char* kAddress = "127.0.0.1";
+
+struct Options
+{
+  std::string robot, lcm_url;
+  std::optional<std::string> prefix;
+  int port = 8765;
+  double seconds = 10.0;
+};
+
+// What the bus says and the browser asks for, each in a thread of its own.
+class View
+{
+public:
+  View(const model_info_t& model, const Options& options) : options_(options) { set_model(model); }
+
+  void set_model(const model_info_t& model)
+  {
+    Robot robot = options_.robot.empty() ? shipped_robot(model, "torqued") : load_robot(options_.robot);
+    if (robot.model_id != model.model_id)
+      throw Failure(ExitCode::bad_data, fmt::format("--robot: torqued computes {} (model_id {}), not this {} (model_id "
+                                                    "{})",
+                                                    printable(model.name), model.model_id, robot.name, robot.model_id));
+    const std::lock_guard lock(mutex_);
+    motion_ = std::make_unique<LiveMotion>(std::move(robot), options_.seconds);
+    model_id_ = model.model_id;
+  }
+  // of the thread that hears the bus
+  std::int64_t model_id() const { return model_id_; }
+
+  template <typename Message> void hear(Bytes bytes)
+  {
+    Message message;
+    if (!decode(bytes, message))
+      return;
+    const auto now = LiveMotion::Clock::now();
+    const std::lock_guard lock(mutex_);
+    if constexpr (std::is_same_v<Message, rejection_t>)
+      motion_->hear(message);
+    else
+      motion_->hear(message, now);
+  }
+
+  std::string page() const
+  {
+    const std::lock_guard lock(mutex_);
+    return report_page(fmt::format("live – {}", motion_->robot().name),
+                       fmt::format(R"({{"live":true,"motions":[],"robot":{}}})", robot_document(motion_->robot())));
+  }
+  std::string document() const
+  {
+    // a screen's worth of each curve
+    constexpr Resolution resolution{.frames = 1500, .stretches = 750};
+    const std::lock_guard lock(mutex_);
+    return report_document(motion_->robot(), motion_->window(LiveMotion::Clock::now()), resolution);
+  }
+
+private:
+  const Options& options_;
+  std::int64_t model_id_ = 0;
+  mutable std::mutex mutex_;
+  std::unique_ptr<LiveMotion> motion_;
+};
+
+// A web server for this machine alone.
+class Server
+{
+public:
+  Server(const View& view, int port)
+  {
+    server_.new_task_queue = []
+    {
+      return new httplib::ThreadPool(2); // the library deletes it
+    };
+    // its own options would let two servers have one port
+    server_.set_socket_options(
+        [](socket_t socket)
+        {
+          const int yes = 1;
+          setsockopt(socket, SOL_SOCKET, SO_REUSEADDR, &yes, sizeof yes);
+        });
+    // another site's page cannot read what this one serves, by whatever name it reaches this machine
+    server_.set_pre_routing_handler(
+        [this](const httplib::Request& request, httplib::Response& response)
+        {
+          const std::string host = request.get_header_value("Host");
+          if (host == fmt::format("{}:{}", kAddress, port_) || host == fmt::format("localhost:{}", port_))
+            return httplib::Server::HandlerResponse::Unhandled;
+          response.status = 403;
+          response.set_content("torquectl view answers only to 127.0.0.1 and localhost\n", "text/plain");
+          return httplib::Server::HandlerResponse::Handled;
+        });
+    server_.Get("/", [&view](const httplib::Request&, httplib::Response& response)
+                { response.set_content(view.page(), "text/html; charset=utf-8"); });
+    server_.Get("/document",
+                [&view](const httplib::Request&, httplib::Response& response)
+                {
+                  response.set_header("Cache-Control", "no-store");
+                  response.set_content(view.document(), "application/json");
+                });
+    port_ = port == 0 ? server_.bind_to_any_port(kAddress) : server_.bind_to_port(kAddress, port) ? port : -1;
+    if (port_ < 0)
+      throw Failure(ExitCode::failed,
+                    fmt::format("--port: {} of {} cannot be had, is another program there? 0 takes any that is free",
+                                port, kAddress));
+    thread_ = std::thread([this] { server_.listen_after_bind(); });
+  }
+  ~Server()
+  {
+    server_.stop();
+    thread_.join();
+  }
+  Server(const Server&) = delete;
+  Server& operator=(const Server&) = delete;
+
+  int port() const { return port_; }
+
+private:
+  httplib::Server server_;
+  int port_ = -1;
+  std::thread thread_;
+};
+
+ExitCode view(const Options& options)
+{
+  Config config;
+  set_flag("--prefix", set_prefix, config, options.prefix);
+  const Channels channels(config.prefix);
+  Bus bus(options.lcm_url);
+  if (!bus.wait_for_model(channels))
+    return ExitCode::done;
+  flush_denormals();
+  View view(bus.model(), options);
+  bus.subscribe(channels.desired, [&view](Bytes bytes) { view.hear<desired_state_t>(bytes); });
+  bus.subscribe(channels.command, [&view](Bytes bytes) { view.hear<torque_command_t>(bytes); });
+  bus.subscribe(channels.rejected, [&view](Bytes bytes) { view.hear<rejection_t>(bytes); });
+  const Server server(view, options.port);
+  fmt::print("http://{}:{}/ shows what {} does; Ctrl-C ends this\n", kAddress, server.port(),
+             printable(bus.model().name));
+  std::fflush(stdout);
+  while (!bus.stopped())
+  {
+    bus.wait(Bus::Clock::now() + std::chrono::milliseconds(200));
+    if (bus.model().model_id != view.model_id())
+      view.set_model(bus.model());
+  }
+  return ExitCode::done;
+}
+
+} // namespace
+
+Subcommand add_view(CLI::App& torquectl)
+{
+  const auto options = std::make_shared<Options>();
+  CLI::App* app =
+      torquectl.add_subcommand("view", "the page of report, live: what torqued does right now, in a browser");
+  app->add_option("--port", options->port, "of 127.0.0.1, where the page is; 0: any that is free")
+      ->type_name("N")
+      ->check(CLI::Range(0, 65535))
+      ->capture_default_str();
+  app->add_option("--seconds", options->seconds, "how much of the past is shown")
+      ->type_name("S")
+      ->check(CLI::Range(0.5, 120.0))
+      ->capture_default_str();
+  add_robot_option(*app, options->robot, "default: the one that torqued says");
+  add_prefix_option(*app, options->prefix);
+  add_bus_option(*app, options->lcm_url);
+  app->footer("The page is served to this machine alone.\n\n"
+              "Example, while torqued runs on this bus:\n"
+              "  export LCM_DEFAULT_URL='udpm://239.255.76.67:7667?ttl=0'\n"
+              "  torquectl view &\n"
+              "  torquectl send --loop client/trajectories/subject01-walk/walk.csv");
+  return {app, [options]
+          {
+            return view(*options);
+          }};
+}
+
+} // namespace torqued
