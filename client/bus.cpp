@@ -2,8 +2,6 @@
 
 #include "client/failure.h"
 #include "client/subcommands.h"
-#include "wire/bus_trouble.h"
-#include "wire/received.h"
 
 #include <algorithm>
 #include <fmt/format.h>

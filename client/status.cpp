@@ -1,7 +1,7 @@
 #include "client/daemons.h"
 #include "client/files.h"
 #include "client/subcommands.h"
-#include "wire/bus_trouble.h"
+#include "wire/messages.h"
 
 #include <CLI/CLI.hpp>
 

@@ -7,7 +7,6 @@
 
 #include "client/files.h"
 #include "wire/dynamics_codec.h"
-#include "wire/received.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,7 +1,5 @@
 #include "daemon/lcm_loop.h"
 
-#include "wire/received.h"
-
 #include <algorithm>
 #include <cmath>
 #include <cstring>

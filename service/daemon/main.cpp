@@ -1,7 +1,7 @@
 #include "daemon/config.h"
 #include "daemon/lcm_loop.h"
 #include "robot/strict_toml.h"
-#include "wire/bus_trouble.h"
+#include "wire/messages.h"
 
 #include <CLI/CLI.hpp>
 #include <algorithm>

@@ -1,6 +1,6 @@
 #include "wire/codec.h"
 
-#include "wire/cursor.h"
+#include "wire/fields.h"
 
 #include <array>
 #include <optional>
@@ -227,59 +227,6 @@ model_info_t model_info(const Robot& robot, std::int64_t instance_id, std::int64
   }
   info.settings = settings;
   return info;
-}
-
-bool decode(Bytes bytes, desired_state_t& message)
-{
-  Cursor cursor = after_fingerprint<desired_state_t>(bytes);
-  cursor.skip(kFixedSize - 8 - 4);
-  cursor.skip(3 * 8 * cursor.count());
-  return decode_checked(bytes, cursor, message);
-}
-
-bool decode(Bytes bytes, torque_command_t& message)
-{
-  Cursor cursor = after_fingerprint<torque_command_t>(bytes);
-  cursor.skip(5 * 8 + 1 + 4 + 2 * 5 * 8 + 4 * 8 + 4);
-  cursor.skip(8 * cursor.count());
-  return decode_checked(bytes, cursor, message);
-}
-
-bool decode(Bytes bytes, rejection_t& message)
-{
-  Cursor cursor = after_fingerprint<rejection_t>(bytes);
-  cursor.skip(8 + 8 + 4);
-  cursor.skip_text();
-  return decode_checked(bytes, cursor, message);
-}
-
-bool decode(Bytes bytes, status_t& message)
-{
-  Cursor cursor = after_fingerprint<status_t>(bytes);
-  cursor.skip(5 * 8 + 1 + 7 * 8 + 4 + 8 + 5 * 8);
-  cursor.skip_text();
-  return decode_checked(bytes, cursor, message);
-}
-
-bool decode(Bytes bytes, model_info_t& message)
-{
-  Cursor cursor = after_fingerprint<model_info_t>(bytes);
-  cursor.skip(3 * 8);
-  cursor.skip_text();
-  cursor.skip(2 * 8);
-  const std::size_t coordinates = cursor.count();
-  cursor.skip_texts(2 * coordinates + 2);
-  cursor.skip(8 * coordinates * (coordinates + 1));
-  const std::size_t joints = cursor.count();
-  cursor.skip_texts(joints);
-  cursor.skip(2 * 8 * joints);
-  const std::size_t links = cursor.count();
-  cursor.skip_texts(links);
-  cursor.skip((4 + 1 + 5 * 8 + 4) * links);
-  cursor.skip((4 + 5 * 8) * cursor.count());
-  cursor.skip((1 + 4 + 7 * 8) * cursor.count());
-  cursor.skip_text();
-  return decode_checked(bytes, cursor, message);
 }
 
 } // namespace torqued

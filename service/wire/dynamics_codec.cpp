@@ -1,6 +1,6 @@
 #include "wire/dynamics_codec.h"
 
-#include "wire/cursor.h"
+#include "wire/fields.h"
 
 namespace torqued
 {
@@ -84,22 +84,6 @@ Result<DynamicsRequest> decode_dynamics_request(Bytes message, const Robot& robo
   state.v.tail<2>() << base[0], base[1];
   state.a.tail<2>() << base[2], base[3];
   return request;
-}
-
-bool decode(Bytes bytes, dynamics_t& message)
-{
-  Cursor cursor = after_fingerprint<dynamics_t>(bytes);
-  cursor.skip(2 * 8);
-  cursor.skip_text();
-  const std::size_t n = cursor.count();
-  const std::size_t joints = cursor.count();
-  const std::size_t rows = cursor.count();
-  const std::size_t parameters = cursor.count();
-  const std::size_t reduced = cursor.count();
-  const std::size_t multipliers = cursor.count();
-  cursor.skip(8 * (n * (2 * n + 3 + joints) + rows * (n + 1) + parameters * (n + 1)));
-  cursor.skip(8 * (reduced * (2 * n + 2 * reduced + 1 + joints) + n * multipliers));
-  return decode_checked(bytes, cursor, message);
 }
 
 } // namespace torqued

@@ -5,7 +5,6 @@
 #include "wire/codec.h"
 
 #include <torqued/dynamics_request_t.hpp>
-#include <torqued/dynamics_t.hpp>
 
 namespace torqued
 {
@@ -28,8 +27,5 @@ std::size_t dynamics_request_size(const Robot& robot);
 /// Checks and decodes a request for this robot, in the order of decode_desired_state(). Does not throw, whatever the
 /// bytes. Refuses: undecodable, wrong_size, not_finite, out_of_range.
 Result<DynamicsRequest> decode_dynamics_request(Bytes message, const Robot& robot);
-
-/// For clients: see codec.h.
-bool decode(Bytes bytes, dynamics_t& message);
 
 } // namespace torqued

@@ -1,0 +1,92 @@
+#include "wire/messages.h"
+
+#include "wire/cursor.h"
+
+#include <cstdlib>
+
+namespace torqued
+{
+
+bool decode(Bytes bytes, desired_state_t& message)
+{
+  Cursor cursor = after_fingerprint<desired_state_t>(bytes);
+  cursor.skip(3 * 8 + 6 + 8 * 8);
+  cursor.skip(3 * 8 * cursor.count());
+  return decode_checked(bytes, cursor, message);
+}
+
+bool decode(Bytes bytes, torque_command_t& message)
+{
+  Cursor cursor = after_fingerprint<torque_command_t>(bytes);
+  cursor.skip(5 * 8 + 1 + 4 + 2 * 5 * 8 + 4 * 8 + 4);
+  cursor.skip(8 * cursor.count());
+  return decode_checked(bytes, cursor, message);
+}
+
+bool decode(Bytes bytes, rejection_t& message)
+{
+  Cursor cursor = after_fingerprint<rejection_t>(bytes);
+  cursor.skip(8 + 8 + 4);
+  cursor.skip_text();
+  return decode_checked(bytes, cursor, message);
+}
+
+bool decode(Bytes bytes, status_t& message)
+{
+  Cursor cursor = after_fingerprint<status_t>(bytes);
+  cursor.skip(5 * 8 + 1 + 7 * 8 + 4 + 8 + 5 * 8);
+  cursor.skip_text();
+  return decode_checked(bytes, cursor, message);
+}
+
+bool decode(Bytes bytes, model_info_t& message)
+{
+  Cursor cursor = after_fingerprint<model_info_t>(bytes);
+  cursor.skip(3 * 8);
+  cursor.skip_text();
+  cursor.skip(2 * 8);
+  const std::size_t coordinates = cursor.count();
+  cursor.skip_texts(2 * coordinates + 2);
+  cursor.skip(8 * coordinates * (coordinates + 1));
+  const std::size_t joints = cursor.count();
+  cursor.skip_texts(joints);
+  cursor.skip(2 * 8 * joints);
+  const std::size_t links = cursor.count();
+  cursor.skip_texts(links);
+  cursor.skip((4 + 1 + 5 * 8 + 4) * links);
+  cursor.skip((4 + 5 * 8) * cursor.count());
+  cursor.skip((1 + 4 + 7 * 8) * cursor.count());
+  cursor.skip_text();
+  return decode_checked(bytes, cursor, message);
+}
+
+bool decode(Bytes bytes, dynamics_t& message)
+{
+  Cursor cursor = after_fingerprint<dynamics_t>(bytes);
+  cursor.skip(2 * 8);
+  cursor.skip_text();
+  const std::size_t n = cursor.count();
+  const std::size_t joints = cursor.count();
+  const std::size_t rows = cursor.count();
+  const std::size_t parameters = cursor.count();
+  const std::size_t reduced = cursor.count();
+  const std::size_t multipliers = cursor.count();
+  cursor.skip(8 * (n * (2 * n + 3 + joints) + rows * (n + 1) + parameters * (n + 1)));
+  cursor.skip(8 * (reduced * (2 * n + 2 * reduced + 1 + joints) + n * multipliers));
+  return decode_checked(bytes, cursor, message);
+}
+
+std::string bus_trouble(const std::string& lcm_url)
+{
+  const char* preset = std::getenv("LCM_DEFAULT_URL");
+  std::string trouble = "neither --lcm-url nor LCM_DEFAULT_URL is set, so LCM's default was tried";
+  if (!lcm_url.empty())
+    trouble = "lcm_url is \"" + lcm_url + "\"";
+  else if (preset)
+    trouble = std::string("LCM_DEFAULT_URL is \"") + preset + "\"";
+  trouble += ". A bus within one machine is udpm://239.255.76.67:7667?ttl=0 and needs: "
+             "sudo ip link set lo up multicast on; sudo ip route add 224.0.0.0/4 dev lo";
+  return trouble;
+}
+
+} // namespace torqued

@@ -1,0 +1,69 @@
+/// The messages of lcmtypes/ as what they are: bytes on channels. Knows nothing of robots.
+///
+/// The decoders that lcm-gen writes trust a message's counts before its length, so a bad message can make them throw,
+/// allocate gigabytes or read past its end. Everything here checks fingerprint, counts and exact size first.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <string>
+#include <vector>
+
+#include <torqued/desired_state_t.hpp>
+#include <torqued/dynamics_t.hpp>
+#include <torqued/model_info_t.hpp>
+#include <torqued/rejection_t.hpp>
+#include <torqued/status_t.hpp>
+#include <torqued/torque_command_t.hpp>
+
+namespace torqued
+{
+
+using Bytes = std::span<const std::byte>;
+
+/// The channels, with the prefix that stands before each.
+struct Channels
+{
+  explicit Channels(const std::string& prefix = "")
+      : desired(prefix + "TORQUED_DESIRED"), command(prefix + "TORQUED_COMMAND"), rejected(prefix + "TORQUED_REJECTED"),
+        status(prefix + "TORQUED_STATUS"), model(prefix + "TORQUED_MODEL"),
+        dynamics_request(prefix + "TORQUED_DYNAMICS_REQUEST"), dynamics(prefix + "TORQUED_DYNAMICS")
+  {
+  }
+  std::string desired, command, rejected, status, model, dynamics_request, dynamics;
+};
+
+/// Encodes a message into a buffer that is kept between calls: it grows, and never shrinks. The view lives until the
+/// next call with the same buffer.
+template <typename Message> Bytes encode(const Message& message, std::vector<std::byte>& buffer)
+{
+  const auto size = static_cast<std::size_t>(message.getEncodedSize());
+  if (buffer.size() < size)
+    buffer.resize(size);
+  message.encode(buffer.data(), 0, static_cast<int>(size));
+  return Bytes(buffer.data(), size);
+}
+
+/// Decode what the daemon, or a client, publishes. false: not this type, or cut, or extended, or a count out of
+/// bounds; the message is then unchanged. For clients: allocate.
+bool decode(Bytes bytes, desired_state_t& message);
+bool decode(Bytes bytes, torque_command_t& message);
+bool decode(Bytes bytes, rejection_t& message);
+bool decode(Bytes bytes, status_t& message);
+bool decode(Bytes bytes, model_info_t& message);
+bool decode(Bytes bytes, dynamics_t& message);
+
+/// A message as LCM hands it over. Of a packet that ends within its channel's name LCM 1.3.1 makes a message of nearly
+/// 2³² bytes; no message is that long, and there is nothing to be read: no bytes.
+inline Bytes received_bytes(const void* data, std::uint32_t size)
+{
+  constexpr std::uint32_t longest = std::uint32_t{1} << 30;
+  return {static_cast<const std::byte*>(data), size <= longest ? size : 0};
+}
+
+/// What to say when the bus does not work: which bus was meant, who said so, and what LCM needs within one machine. For
+/// the end of a complaint. lcm_url: empty where LCM's own default was asked for, which heeds LCM_DEFAULT_URL.
+std::string bus_trouble(const std::string& lcm_url);
+
+} // namespace torqued
