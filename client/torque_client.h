@@ -1,0 +1,106 @@
+/// A client of torqued: publishes desired states, and gets for each of them one reply.
+///
+///   torqued::TorqueClient client;                                  // the bus of LCM_DEFAULT_URL
+///   if (!client.wait_for_model(std::chrono::seconds(5)))
+///     return "torqued does not run here";
+///   torqued::desired_state_t desired = client.standing();
+///   desired.q[0] = …;
+///   const torqued::Reply reply = client.ask(desired, std::chrono::milliseconds(5));
+///   if (const auto* command = std::get_if<torqued::torque_command_t>(&reply))
+///     …                                                            // command->torque, N m
+///
+/// Units, frames and signs are those of the messages (lcmtypes). Each client is a stream of its own; the daemon answers
+/// one stream at a time. To be used by one thread at a time.
+#pragma once
+
+#include <lcm/lcm-cpp.hpp>
+
+#include <chrono>
+#include <cstdint>
+#include <exception>
+#include <functional>
+#include <map>
+#include <optional>
+#include <string>
+#include <variant>
+
+#include <torqued/desired_state_t.hpp>
+#include <torqued/model_info_t.hpp>
+#include <torqued/rejection_t.hpp>
+#include <torqued/torque_command_t.hpp>
+
+namespace torqued
+{
+
+/// No answer came in time: a newer desired state superseded this one, a message was lost, or no daemon is there.
+struct Silence
+{
+  std::int64_t utime; ///< of the desired state, µs
+};
+
+/// What became of a desired state: its torques, why there are none, or nothing.
+using Reply = std::variant<torque_command_t, rejection_t, Silence>;
+
+class TorqueClient
+{
+public:
+  using Clock = std::chrono::steady_clock;
+
+  /// Opens the bus. lcm_url: empty for LCM_DEFAULT_URL, or LCM's default; prefix: stands before each channel's name.
+  /// Throws std::runtime_error, with what to do, if the bus cannot be opened or does not carry messages; to find that
+  /// out takes LCM ten seconds.
+  explicit TorqueClient(const std::string& lcm_url = "", const std::string& prefix = "");
+  TorqueClient(const TorqueClient&) = delete;
+  TorqueClient& operator=(const TorqueClient&) = delete;
+
+  /// Waits until a daemon has said which robot it computes; it says so at its start and every two seconds.
+  bool wait_for_model(Clock::duration patience);
+  /// What was said last; nothing as long as nothing was heard.
+  const std::optional<model_info_t>& model() const { return model_; }
+
+  /// A desired state of the right size, to be filled in: the robot stands still and upright on both soles, half of the
+  /// load on each, all link angles 0, base FROM_CONTACT. Requires: model().
+  desired_state_t standing() const;
+
+  /// Publishes a desired state and waits for what becomes of it, at the longest for `patience`; then it is silence.
+  /// What comes later is dropped: torques for an instant that has passed are of no use. Stamps as publish() does.
+  Reply ask(desired_state_t& desired, Clock::duration patience);
+
+  /// Publishes a desired state without waiting. Stamps it: utime by this machine's monotonic clock, µs, but at least
+  /// one more than the one before; stream_id; model_id, if the model is known. Its reply goes to on_reply().
+  void publish(desired_state_t& desired);
+  /// Calls back, within handle() and ask(), with one reply for each published desired state, in the order in which they
+  /// come; silence `patience` after it was published. What the callback throws comes out of handle() or ask(). It may
+  /// publish, and must not call handle() or ask().
+  void on_reply(std::function<void(const Reply&)> callback, Clock::duration patience);
+  /// Waits for messages, at the longest so long, and deals with all that are there; with 0 it does not wait.
+  /// Throws std::runtime_error if the bus cannot be read any more.
+  void handle(Clock::duration at_most);
+
+  /// Readable when handle() has something to do, but for silence: for a loop of your own around poll().
+  int file_descriptor();
+  /// This client's, random.
+  std::int64_t stream_id() const { return stream_id_; }
+
+private:
+  void hear(const lcm::ReceiveBuffer* buffer, const std::string& channel);
+  void settle(std::int64_t stream_id, std::int64_t utime, Reply reply);
+  void give_up(Clock::time_point now);
+  bool receive(Clock::time_point until);
+  static void receive(const lcm::ReceiveBuffer* buffer, const std::string& channel, TorqueClient* client) noexcept;
+
+  std::string trouble_;
+  std::string desired_channel_, command_channel_, rejected_channel_, model_channel_;
+  std::int64_t stream_id_;
+  lcm::LCM lcm_;
+  std::optional<model_info_t> model_;
+  std::int64_t utime_ = 0;                                // of the last desired state
+  std::map<std::int64_t, Clock::time_point> outstanding_; // utime of those published, and when they become silence
+  std::function<void(const Reply&)> callback_;
+  Clock::duration patience_{};
+  std::int64_t asked_ = 0;     // utime that ask() waits for; 0: none
+  std::optional<Reply> reply_; // to it
+  std::exception_ptr thrown_;
+};
+
+} // namespace torqued

@@ -1,0 +1,34 @@
+#!/bin/sh
+# Installs the build tree given as $1 into a folder of its own, builds the example controller against that, outside of
+# the source tree, by CMake and by pkg-config, and runs it with the installed daemon. Needs a bus: tools/private-network.
+set -eu
+build=$1
+folder=$(mktemp -d)
+torqued=''
+trap 'kill $torqued 2> /dev/null || true; rm -rf "$folder"' EXIT
+cmake --install "$build" --prefix "$folder/usr" > "$folder/install.log"
+
+cp -r "$folder"/usr/share/doc/torqued/example "$folder/example"
+cmake -S "$folder/example" -B "$folder/build" -D CMAKE_PREFIX_PATH="$folder/usr" -D CMAKE_BUILD_TYPE=Release > "$folder/cmake.log"
+cmake --build "$folder/build" > "$folder/build.log"
+
+# where the package is, it says itself; this one has been put elsewhere
+PKG_CONFIG_PATH=$(dirname "$(find "$folder/usr" -name torqued-client.pc)")
+export PKG_CONFIG_PATH
+# shellcheck disable=SC2046 # words on purpose
+c++ -std=c++17 -Wall -Wextra -Werror "$folder/example/controller.cpp" -o "$folder/by_pkg_config" \
+  $(pkg-config --cflags --libs --define-variable=prefix="$folder/usr" torqued-client)
+
+"$folder/usr/bin/torqued" --robot ck 2> "$folder/torqued.log" &
+torqued=$!
+for controller in "$folder/build/controller" "$folder/by_pkg_config"; do
+  "$controller" > "$folder/output"
+  cat "$folder/output"
+  [ "$(grep -c '^torques ' "$folder/output")" -ge 7 ] # of 400 instants every fiftieth: one may be silent here and there
+  sleep 0.3
+done
+kill -TERM $torqued
+wait $torqued
+torqued=''
+if "$folder/build/controller" nonsense:// 2> "$folder/output"; then exit 1; fi
+grep 'controller: the LCM bus cannot be opened: lcm_url is "nonsense://"' "$folder/output"
