@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <fmt/format.h>
 #include <memory>
+#include <nlohmann/json.hpp>
 
 namespace torqued
 {
@@ -26,7 +27,35 @@ std::vector<Daemon> listen(const std::string& lcm_url)
   return heard.at(Bus::Clock::now());
 }
 
-ExitCode examine(const std::string& lcm_url)
+std::string as_text(const std::vector<Finding>& findings)
+{
+  std::string text;
+  for (const Finding& finding : findings)
+  {
+    const char* grade = finding.grade == Finding::Grade::good     ? "ok   "
+                        : finding.grade == Finding::Grade::remark ? "note "
+                                                                  : "WRONG";
+    text += fmt::format("{} {}\n", grade, finding.text);
+    if (!finding.mend.empty())
+      text += fmt::format("      $ {}\n", finding.mend);
+  }
+  return text;
+}
+
+std::string as_json(const std::vector<Finding>& findings)
+{
+  using Json = nlohmann::ordered_json;
+  Json list = Json::array();
+  for (const Finding& finding : findings)
+    list.push_back({{"grade", finding.grade == Finding::Grade::good     ? "ok"
+                              : finding.grade == Finding::Grade::remark ? "note"
+                                                                        : "wrong"},
+                    {"text", finding.text},
+                    {"mend", finding.mend}});
+  return list.dump(2, ' ', false, Json::error_handler_t::replace) + '\n';
+}
+
+ExitCode examine(const std::string& lcm_url, bool json)
 {
   BusFacts facts = look_at_bus(lcm_url);
   // where not even the plain message came back, LCM would only search for its own for ten seconds
@@ -42,15 +71,7 @@ ExitCode examine(const std::string& lcm_url)
   const std::vector<Finding> findings = diagnose(facts);
 
   OutputFile out("-");
-  for (const Finding& finding : findings)
-  {
-    const char* grade = finding.grade == Finding::Grade::good     ? "ok   "
-                        : finding.grade == Finding::Grade::remark ? "note "
-                                                                  : "WRONG";
-    out.write(fmt::format("{} {}\n", grade, finding.text));
-    if (!finding.mend.empty())
-      out.write(fmt::format("      $ {}\n", finding.mend));
-  }
+  out.write(json ? as_json(findings) : as_text(findings));
   const auto is_bad = [](const Finding& finding)
   {
     return finding.grade == Finding::Grade::bad;
@@ -62,16 +83,23 @@ ExitCode examine(const std::string& lcm_url)
 
 Subcommand add_doctor(CLI::App& torquectl)
 {
-  const auto lcm_url = std::make_shared<std::string>();
+  struct Options
+  {
+    std::string lcm_url;
+    bool json = false;
+  };
+  const auto options = std::make_shared<Options>();
   CLI::App* app = torquectl.add_subcommand(
       "doctor", "what is wrong with this machine's LCM set-up, each finding with the command that mends it");
-  add_bus_option(*app, *lcm_url);
+  app->add_flag("--json", options->json, "the findings as JSON: grade (ok, note, wrong), text, mend");
+  add_bus_option(*app, options->lcm_url);
   app->footer("Changes nothing. As root it also sees which rule of a firewall is in the way.\n"
-              "Exit code: 0 if nothing is wrong, notes apart; else 1. Example:\n"
+              "Exit code: 0 if nothing is wrong, notes apart; else 1.\n\n"
+              "Example:\n"
               "  LCM_DEFAULT_URL='udpm://239.255.76.67:7667?ttl=0' torquectl doctor");
-  return {app, [lcm_url]
+  return {app, [options]
           {
-            return examine(*lcm_url);
+            return examine(options->lcm_url, options->json);
           }};
 }
 

@@ -382,7 +382,9 @@ Subcommand add_report(CLI::App& torquectl)
       ->required();
   add_robot_option(*app, options->robot, "default: the one that the log says; of a CSV: ck");
   app->add_option("--method", options->methods,
-                  "answer anew by this method, whatever the samples ask for; once for each method to compare")
+                  fmt::format("answer anew by this method, whatever the samples ask for; once for each method to "
+                              "compare: {}",
+                              method_names()))
       ->type_name("NAME")
       ->allow_extra_args(false);
   app->add_option("--config", options->config, "the daemon's configuration file, for what is answered anew")

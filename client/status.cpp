@@ -1,13 +1,13 @@
 #include "client/daemons.h"
 #include "client/files.h"
 #include "client/subcommands.h"
-#include "wire/messages.h"
 
 #include <CLI/CLI.hpp>
 
 #include <algorithm>
 #include <fmt/format.h>
 #include <memory>
+#include <nlohmann/json.hpp>
 #include <unistd.h>
 
 namespace torqued
@@ -23,8 +23,53 @@ struct Options
 {
   std::string lcm_url;
   std::optional<std::string> prefix;
-  bool once = false;
+  bool once = false, json = false;
 };
+
+using Json = nlohmann::ordered_json;
+
+// each daemon's last status under the names of status_t, what it computes, and its counts per second; nothing: null
+Json describe(const std::vector<Daemon>& daemons)
+{
+  Json list = Json::array();
+  for (const Daemon& daemon : daemons)
+  {
+    const status_t& s = daemon.status;
+    Json rates;
+    if (daemon.rates)
+      rates = {{"received", daemon.rates->received},
+               {"answered", daemon.rates->answered},
+               {"rejected", daemon.rates->rejected},
+               {"superseded", daemon.rates->superseded}};
+    list.push_back({{"prefix", daemon.prefix},
+                    {"present", daemon.present()},
+                    {"silent", daemon.silent},
+                    {"robot", daemon.model ? Json(daemon.model->name) : Json()},
+                    {"instance_id", s.instance_id},
+                    {"uptime_us", s.uptime_us},
+                    {"model_id", s.model_id},
+                    {"settings_id", s.settings_id},
+                    {"state", state_name(s.state)},
+                    {"received", s.received},
+                    {"answered", s.answered},
+                    {"rejected", s.rejected},
+                    {"superseded", s.superseded},
+                    {"late", s.late},
+                    {"conflicts", s.conflicts},
+                    {"dropped_logs", s.dropped_logs},
+                    {"last_reason", s.last_reason},
+                    {"input_age_us", s.input_age_us},
+                    {"latency_us",
+                     {{"p50", s.latency_us_p50},
+                      {"p90", s.latency_us_p90},
+                      {"p99", s.latency_us_p99},
+                      {"p999", s.latency_us_p999},
+                      {"max", s.latency_us_max}}},
+                    {"per_second", std::move(rates)},
+                    {"version", s.version}});
+  }
+  return list;
+}
 
 std::string nobody(const Options& options)
 {
@@ -53,7 +98,8 @@ ExitCode show_once(Bus& bus, const DaemonsHeard& heard, const Options& options)
   const std::vector<Daemon> daemons = heard.at(Clock::now());
   if (daemons.empty())
     throw Failure(ExitCode::no_bus, nobody(options));
-  OutputFile("-").write(status_page(daemons));
+  OutputFile("-").write(options.json ? describe(daemons).dump(2, ' ', false, Json::error_handler_t::replace) + '\n'
+                                     : status_page(daemons));
   return ExitCode::done;
 }
 
@@ -80,7 +126,8 @@ ExitCode show_status(const Options& options)
   Bus bus(options.lcm_url);
   DaemonsHeard heard;
   subscribe(bus, options.prefix, heard);
-  return options.once || isatty(STDOUT_FILENO) == 0 ? show_once(bus, heard, options) : show_live(bus, heard, options);
+  return options.once || options.json || isatty(STDOUT_FILENO) == 0 ? show_once(bus, heard, options)
+                                                                    : show_live(bus, heard, options);
 }
 
 } // namespace
@@ -91,10 +138,12 @@ Subcommand add_status(CLI::App& torquectl)
   CLI::App* app =
       torquectl.add_subcommand("status", "how the daemons on the bus are: live on a terminal, until Ctrl-C; else once");
   app->add_flag("--once", options->once, "show it once, after a second or two of listening, and end");
+  app->add_flag("--json", options->json, "the same once, as JSON: a list of daemons");
   add_bus_option(*app, options->lcm_url);
   app->add_option("--prefix", options->prefix, "only the daemon with this before its channels; default: every daemon")
       ->type_name("TEXT");
-  app->footer("Exit code 69 if it is to show once and no daemon is heard. Example:\n"
+  app->footer("Exit code 69 if it is to show once and no daemon is heard.\n\n"
+              "Example:\n"
               "  LCM_DEFAULT_URL='udpm://239.255.76.67:7667?ttl=0' torquectl status --once");
   return {app, [options]
           {

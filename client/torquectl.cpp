@@ -107,12 +107,17 @@ void add_robot_option(CLI::App& subcommand, std::string& robot, const std::strin
       ->type_name("NAME|FILE");
 }
 
-void add_method_option(CLI::App& subcommand, std::optional<std::string>& method, const std::string& what)
+std::string method_names()
 {
   std::vector<std::string_view> methods;
   for (const NamedMethod& known : kMethods)
     methods.push_back(known.name);
-  subcommand.add_option("--method", method, fmt::format("{}: {}", what, fmt::join(methods, ", ")))->type_name("NAME");
+  return fmt::format("{}", fmt::join(methods, ", "));
+}
+
+void add_method_option(CLI::App& subcommand, std::optional<std::string>& method, const std::string& what)
+{
+  subcommand.add_option("--method", method, fmt::format("{}: {}", what, method_names()))->type_name("NAME");
 }
 
 void add_prefix_option(CLI::App& subcommand, std::optional<std::string>& prefix)

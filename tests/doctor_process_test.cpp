@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 #include <memory>
 #include <netinet/in.h>
+#include <nlohmann/json.hpp>
 #include <sys/socket.h>
 
 using namespace torqued;
@@ -13,6 +14,7 @@ namespace
 {
 
 using namespace std::chrono_literals;
+using Json = nlohmann::json;
 
 constexpr const char* kWithin = "udpm://239.255.76.67:7667?ttl=0";
 constexpr const char* kSegment = "udpm://239.255.76.67:7667?ttl=1";
@@ -174,6 +176,7 @@ TEST_CASE("doctor and status know no daemon, one, two with prefixes, and two on 
   said = doctor();
   CAPTURE(said.text);
   CHECK(said.code == 0);
+  const std::string as_text = said.text;
   CHECK(contains(said.text, "one daemon on TORQUED_STATUS: torqued"));
   CHECK(contains(said.text, "one daemon on other/TORQUED_STATUS: torqued"));
   said = status({});
@@ -187,6 +190,21 @@ TEST_CASE("doctor and status know no daemon, one, two with prefixes, and two on 
   CHECK_FALSE(contains(said.text, "ck, "));
   CHECK(contains(said.text, "rk, "));
   CHECK(status({"--prefix", "nobody/"}).code == 69);
+
+  // the same for scripts
+  const Json daemons = Json::parse(status({"--json"}).text);
+  REQUIRE(daemons.size() == 2);
+  CHECK(daemons[0]["prefix"] == "");
+  CHECK(daemons[0]["robot"] == "ck");
+  CHECK(daemons[0]["received"] == bench.settled_status().received);
+  CHECK(daemons[0]["instance_id"] == bench.settled_status().instance_id);
+  CHECK(daemons[1]["prefix"] == "other/");
+  CHECK(daemons[1]["state"] == "WAITING");
+  CHECK(daemons[1]["per_second"]["received"] == 0.0);
+  const Json findings = Json::parse(run({TORQUECTL, "doctor", "--json"}).text);
+  CHECK(findings.size() > 4);
+  for (const Json& finding : findings)
+    CHECK(contains(as_text, finding["text"].get<std::string>().substr(0, 20)));
 
   Process second({TORQUED}, folder.file("second"));
   bench.hear_for(500ms);

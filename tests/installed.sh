@@ -12,6 +12,15 @@ cp -r "$folder"/usr/share/doc/torqued/example "$folder/example"
 cmake -S "$folder/example" -B "$folder/build" -D CMAKE_PREFIX_PATH="$folder/usr" -D CMAKE_BUILD_TYPE=Release > "$folder/cmake.log"
 cmake --build "$folder/build" > "$folder/build.log"
 
+# a man page of each subcommand, with its name, its options and its example as they are
+for subcommand in $("$folder/usr/bin/torquectl" --help | sed -n '/^Subcommands:/,/^$/s/^  \([a-z]*\) .*/\1/p'); do
+  page=$folder/usr/share/man/man1/torquectl-$subcommand.1
+  grep -q 'OPTIONS' "$page"
+  grep -q '^  torquectl' "$page" || grep -q 'torquectl '"$subcommand" "$page"
+done
+grep -q '^Example' "$folder/usr/share/man/man1/torquectl-send.1"
+grep -q '^torqued  *\\-  *hears desired' "$folder/usr/share/man/man1/torqued.1"
+
 # where the package is, it says itself; this one has been put elsewhere
 PKG_CONFIG_PATH=$(dirname "$(find "$folder/usr" -name torqued-client.pc)")
 export PKG_CONFIG_PATH
