@@ -5,8 +5,10 @@
 
 #include <CLI/CLI.hpp>
 
+#include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
+#include <limits>
 #include <memory>
 #include <numbers>
 #include <optional>
@@ -24,7 +26,8 @@ struct GaitCommand
 {
   std::string out, robot = "ck";
   std::optional<double> step_length, step_time, double_support, first_part, heel_strike, toe_off, hip_height, clearance,
-      trunk_angle;
+      trunk_angle, standing;
+  bool flat_footed = false, anyway = false;
   std::optional<int> steps;
   double rate = 200.0;
 };
@@ -46,8 +49,27 @@ GaitOptions chosen(const GaitCommand& command, const Robot& robot)
   set(options.hip_height, command.hip_height);
   set(options.clearance, command.clearance);
   set(options.trunk_angle, command.trunk_angle, kDegree);
+  set(options.standing, command.standing);
+  options.flat_footed = command.flat_footed;
   options.steps = command.steps.value_or(options.steps);
   return options;
+}
+
+// Lowers the hips as far as it must where the user has not said how high they are.
+Gait find_gait(const GaitCommand& command, const Robot& robot)
+{
+  GaitOptions options = chosen(command, robot);
+  const double lowest = 0.75 * options.hip_height, step = 0.02 * options.hip_height;
+  for (;; options.hip_height -= step)
+    try
+    {
+      return Gait(robot, options);
+    }
+    catch (const LegTooShort&)
+    {
+      if (command.hip_height || options.hip_height - step < lowest)
+        throw;
+    }
 }
 
 // Writes the walk at a rate, and at each change of contacts the instant twice: as the end of one phase, and 1 µs later
@@ -55,15 +77,16 @@ GaitOptions chosen(const GaitCommand& command, const Robot& robot)
 int write(const Gait& gait, const Robot& robot, double rate, OutputFile& file)
 {
   const GaitOptions& o = gait.options();
-  file.write(fmt::format("# torquectl gait --robot {} --step-length {} --step-time {} --double-support {} --first-part "
-                         "{} --heel-strike {:.6g} "
-                         "--toe-off {:.6g} --hip-height {} --clearance {} --trunk-angle {:.6g} --steps {} --rate {}\n"
-                         "# Where contacts change, two rows show the same instant, 1 us apart: as the end of one phase "
-                         "and the begin of the "
-                         "next.\n",
-                         robot.name, o.step_length, o.step_time, o.double_support, o.first_part,
-                         o.heel_strike / kDegree, o.toe_off / kDegree, o.hip_height, o.clearance,
-                         o.trunk_angle / kDegree, o.steps, rate));
+  file.write(fmt::format(
+      "# torquectl gait --robot {} --step-length {} --step-time {} --double-support {} --first-part "
+      "{} --heel-strike {:.6g} "
+      "--toe-off {:.6g} --hip-height {} --clearance {} --trunk-angle {:.6g} --standing {} --steps {} --rate {}{}\n"
+      "# Where contacts change, two rows show the same instant, 1 us apart: as the end of one phase "
+      "and the begin of the "
+      "next.\n",
+      robot.name, o.step_length, o.step_time, o.double_support, o.first_part, o.heel_strike / kDegree,
+      o.toe_off / kDegree, o.hip_height, o.clearance, o.trunk_angle / kDegree, o.standing, o.steps, rate,
+      o.flat_footed ? " --flat-footed" : ""));
 
   std::vector<std::string> names = robot.absolute_names;
   names.insert(names.end(), robot.base_names.begin(), robot.base_names.end());
@@ -115,28 +138,36 @@ ExitCode run(const GaitCommand& command)
     throw Failure(ExitCode::usage,
                   fmt::format("-o: found \"{}\"; expected a name that ends in .csv, or -", command.out));
   const Robot robot = load_robot(command.robot);
-  const Gait gait(robot, chosen(command, robot));
+  const Gait gait = find_gait(command, robot);
   const GaitOptions& options = gait.options();
-  const double shortest = std::min({1.0 - options.double_support, options.double_support * options.first_part,
-                                    options.double_support * (1.0 - options.first_part)}) *
-                          options.step_time;
+  double shortest = std::numeric_limits<double>::infinity();
+  for (const GaitPhase& phase : gait.phases())
+    shortest = std::min(shortest, phase.end - phase.begin);
   if (!(shortest * command.rate >= 1.0 && command.rate <= 1e5))
     throw Failure(
         ExitCode::usage,
         fmt::format("--rate: found {:g}; expected {:.4g} to 100000 Hz, so that each phase has a sample of its own",
                     command.rate, 1.0 / shortest));
+  const std::string obstacle = gait.obstacle();
+  if (!obstacle.empty() && !command.anyway)
+    throw Failure(ExitCode::usage,
+                  fmt::format("{} cannot walk like this: {}; --anyway writes it all the same", robot.name, obstacle));
   OutputFile file(command.out);
   const int rows = write(gait, robot, command.rate, file);
   file.close();
 
   const GaitReport& report = gait.report();
-  note(fmt::format("{} walks {} steps of {:.3f} m and {:.3f} s, {:.2f} m/s; {} samples", robot.name, options.steps,
-                   options.step_length, options.step_time, options.step_length / options.step_time, rows));
-  note(
-      fmt::format("the zero-moment point stays {:.3f} m inside the sole in single support and {:.3f} m between toe and "
-                  "heel where the trailing heel lifts{}",
-                  report.zmp_margin, report.switch_margin,
-                  std::min(report.zmp_margin, report.switch_margin) < 0.0 ? ": with less than 0 feet tip" : ""));
+  note(fmt::format("{} walks {} steps of {:.3f} m and {:.3f} s, {:.2f} m/s{}; {} samples", robot.name, options.steps,
+                   options.step_length, options.step_time, options.step_length / options.step_time,
+                   options.standing > 0.0 ? ", from standing to standing" : "", rows));
+  std::string margins = fmt::format("the zero-moment point stays {:.3f} m inside what carries", report.zmp_margin);
+  if (std::isfinite(report.switch_margin))
+    margins += fmt::format(", and {:.3f} m between toe and heel where the trailing heel lifts", report.switch_margin);
+  note(margins);
+  if (!command.hip_height && options.hip_height < default_gait(robot).hip_height)
+    note(fmt::format("the hips are {:.3f} m high, so that the legs reach", options.hip_height));
+  if (!obstacle.empty())
+    note(obstacle);
   return ExitCode::done;
 }
 
@@ -162,15 +193,22 @@ Subcommand add_gait(CLI::App& torquectl)
       "share of double support in which the trailing foot is still flat; default: 0.5", "SHARE");
   add("--heel-strike", command->heel_strike, "pitch of the foot that lands, toe up; default: 10", "DEGREES");
   add("--toe-off", command->toe_off, "pitch of the foot that lifts, heel up; default: 15", "DEGREES");
-  add("--hip-height", command->hip_height, "of the base point; default: that of 0.94 leg lengths above the ankles",
-      "M");
+  add("--hip-height", command->hip_height,
+      "of the base point; default: 0.94 leg lengths above the ankles, or as much less as the steps need", "M");
   add("--clearance", command->clearance, "how much the swinging foot is lifted; default: 0.04 leg lengths", "M");
   add("--trunk-angle", command->trunk_angle, "counter-clockwise, so that negative leans forward; default: 0",
       "DEGREES");
+  add("--standing", command->standing,
+      "how long to stand before the first and after the last step, feet side by side; default: not at all", "S");
+  app->add_flag("--flat-footed", command->flat_footed, "keep the feet level: no heel strike, no toe off");
+  app->add_flag("--anyway", command->anyway, "write the walk even if feet or motors cannot do it");
   app->add_option("--steps", command->steps, "how many; default: 4")->type_name("N");
   app->add_option("--rate", command->rate, "samples per second; default: 200")->type_name("HZ");
   app->footer(
-      "The walk goes SSP, DSP1 (trailing sole, leading heel), DSP2 (trailing toe, leading sole), SSP. Feet rest where\n"
+      "The walk goes SSP, DSP1 (trailing sole, leading heel), DSP2 (trailing toe, leading sole), SSP; flat-footed "
+      "with\n"
+      "both soles on the ground in between. It is refused, with what to change, if a leg is too short, or if with the\n"
+      "method constrained a foot would slip, lift or tip or a motor would pass its limit. Feet rest where\n"
       "contacts change, and positions, rates and accelerations are continuous; at each change two rows, 1 us apart, "
       "show\n"
       "the same instant as the end of one phase and as the begin of the next.\n\n"

@@ -9,7 +9,9 @@
 #include "torque/checks.h"
 #include "torque/torque_method.h"
 
+#include <filesystem>
 #include <fmt/format.h>
+#include <map>
 #include <numbers>
 
 using namespace torqued;
@@ -390,7 +392,7 @@ TEST_CASE("torquectl gait writes a walk that reads back as the same numbers, eac
   CHECK(made.code == 0);
   CHECK(made.out.empty());
   CHECK(made.err.find("rk walks 2 steps of 0.400 m and ") != std::string::npos);
-  CHECK(made.err.find("m inside the sole in single support") != std::string::npos);
+  CHECK(made.err.find("m inside what carries, and ") != std::string::npos);
 
   const Robot robot = load_robot("rk");
   GaitOptions options = default_gait(robot);
@@ -462,10 +464,171 @@ TEST_CASE("torquectl gait says what is wrong with its options", "[gait]")
   CHECK(error({"-o", out, "--robot", "compass"}).starts_with("78 torquectl: compass cannot walk like this"));
   CHECK(error({"-o", out, "--toe-off", "90"}) == "64 torquectl: --toe-off: found 90; expected 0 to 60 degrees\n");
   CHECK(error({}).starts_with("64 torquectl: --output is required"));
-  // a walk that tips is written, and said to
-  const Run tips = run({"gait", "-o", out, "--step-time", "0.3"});
-  CHECK(tips.code == 0);
-  CHECK(tips.err.find("with less than 0 feet tip") != std::string::npos);
+  // a walk that the motors cannot do is refused, and written if it is wanted anyway
+  const std::string weak = error({"-o", out, "--step-time", "0.3"});
+  CHECK(weak.starts_with("64 torquectl: ck cannot walk like this: at 0."));
+  CHECK(weak.find("a longer --step-time would do; --anyway writes it all the same") != std::string::npos);
+  CHECK_FALSE(std::filesystem::exists(out));
+  const Run anyway = run({"gait", "-o", out, "--step-time", "0.3", "--anyway"});
+  CHECK(anyway.code == 0);
+  CHECK(anyway.err.find("left_hip would need ") != std::string::npos);
+  CHECK(error({"-o", out, "--standing", "0.01"}) == "64 torquectl: --standing: found 0.01; expected 0.1 to 60 s\n");
+}
+
+TEST_CASE("a walk from standing to standing rests at both ends, with its feet side by side", "[gait]")
+{
+  for (const char* name : {"ck", "rk", "human-subject01"})
+    for (const bool flat_footed : {false, true})
+    {
+      CAPTURE(name, flat_footed);
+      const Robot robot = load_robot(name);
+      GaitOptions options = default_gait(robot);
+      options.standing = 1.0;
+      options.flat_footed = flat_footed;
+      options.hip_height *= 0.95;
+      options.steps = 3;
+      const Gait gait(robot, options);
+      CHECK(gait.obstacle() == "");
+      CHECK(gait.report().zmp_margin > 0.03);
+      const auto& phases = gait.phases();
+      const double lengths[] = {0.0, 2.0 * options.step_length};
+      for (const int end : {0, 1})
+      {
+        const GaitPhase& phase = end == 0 ? phases.front() : phases.back();
+        const DesiredState state = gait.at(end == 0 ? phase.begin : phase.end, phase);
+        CHECK(state.support.contact == std::array{Contact::sole, Contact::sole});
+        CHECK(state.support.load_transfer == 0.5);
+        CHECK(state.support.phase == 0.5);
+        CHECK(state.v.cwiseAbs().maxCoeff() < 1e-12);
+        CHECK(state.a.cwiseAbs().maxCoeff() < 1e-10);
+        const SupportEquations equations = equations_of(robot, state);
+        for (const Side side : kSides)
+          CHECK(mismatch(equations.foot(side).ankle.x(), lengths[end], 1e-9) == "");
+        // at rest the zero-moment point is below the centre of mass, in the middle of the soles
+        const Foot& foot = robot.foot(Side::left);
+        CHECK(mismatch(zero_moment_point(robot, equations), lengths[end] + 0.5 * (foot.heel_x() + foot.toe_x()),
+                       1e-4) == "");
+      }
+      // continuous where contacts change, no foot below the ground, rates the derivatives of angles
+      for (std::size_t k = 0; k < phases.size(); ++k)
+      {
+        const double t = phases[k].begin;
+        if (k > 0)
+        {
+          const DesiredState before = gait.at(t, phases[k - 1]), after = gait.at(t, phases[k]);
+          CHECK(mismatch(before.q, after.q, 1e-12) == "");
+          CHECK(mismatch(before.v, after.v, 1e-10) == "");
+          CHECK(mismatch(before.a, after.a, 1e-8) == "");
+          const auto jump =
+              (solution(robot, before, Method::constrained).torque - solution(robot, after, Method::constrained).torque)
+                  .cwiseAbs()
+                  .maxCoeff();
+          CHECK(jump < 1e-6);
+        }
+        const double middle = 0.5 * (phases[k].begin + phases[k].end);
+        const DesiredState state = gait.at(middle, phases[k]);
+        const SupportEquations equations = equations_of(robot, state);
+        CHECK(equations.contact_speed < 1e-11);
+        CHECK(equations.contact_residual < 1e-9);
+        // knots are 18 ms apart: within a stencil of ±4 × 0.2 ms the fifth derivative is one or two constants
+        const auto q = [&](double h)
+        {
+          return Eigen::VectorXd(gait.at(middle + h, phases[k]).q);
+        };
+        const auto v = [&](double h)
+        {
+          return Eigen::VectorXd(gait.at(middle + h, phases[k]).v);
+        };
+        CHECK(mismatch(oracle::slope(q, 2e-4), state.v, 1e-8) == "");
+        CHECK(mismatch(oracle::slope(v, 2e-4), state.a, 1e-6) == "");
+      }
+    }
+}
+
+TEST_CASE("flat-footed, both soles are on the ground in double support, and a walk goes from one foot to the other",
+          "[gait]")
+{
+  const Robot robot = load_robot("ck");
+  GaitOptions options = default_gait(robot);
+  options.flat_footed = true;
+  options.hip_height *= 0.95;
+  const Gait gait(robot, options);
+  REQUIRE(gait.phases().size() == 2 * static_cast<std::size_t>(options.steps));
+  for (const GaitPhase& phase : gait.phases())
+    for (const double share : {0.0, 0.4, 1.0})
+    {
+      const DesiredState state = gait.at(phase.begin + share * (phase.end - phase.begin), phase);
+      CHECK(state.q(0) == 0.0); // feet level, also while they swing
+      CHECK(state.q(5) == 0.0);
+      if (phase.kind != GaitPhaseKind::flat)
+        continue;
+      CHECK(state.support.contact == std::array{Contact::sole, Contact::sole});
+      CHECK(mismatch(state.support.load_transfer, share, 1e-12) == "");
+      CHECK(state.support.leading == (phase.step % 2 == 0 ? Side::right : Side::left));
+    }
+}
+
+TEST_CASE("over a grid, walks are refused with a reason, or constrained keeps all conditions and limits", "[gait]")
+{
+  const TemporaryFolder folder;
+  const std::string walk = folder.file("walk.csv"), answers = folder.file("answers.csv");
+#ifdef NDEBUG
+  const std::vector<std::string> lengths{"0.15", "0.3", "0.45", "0.6"}, times{"0.45", "0.7", "1.1"},
+      shares{"0.2", "0.5"};
+#else
+  const std::vector<std::string> lengths{"0.3"}, times{"0.45", "0.7"}, shares{"0.5"};
+#endif
+  int walked = 0;
+  std::map<std::string, int> refused; // by the reason's beginning
+  for (const std::string robot : {"ck", "rk"})
+    for (const std::string& length : lengths)
+      for (const std::string& time : times)
+        for (const std::string& share : shares)
+          for (const std::vector<std::string>& manner :
+               std::vector<std::vector<std::string>>{{},
+                                                     {"--flat-footed"},
+                                                     {"--standing", "0.8"},
+                                                     {"--standing", "0.8", "--flat-footed"},
+                                                     {"--trunk-angle", "-8", "--toe-off", "20"}})
+          {
+            std::vector<std::string> words{"gait", "--robot", robot, "--step-length",    length, "--step-time",
+                                           time,   "--steps", "2",   "--double-support", share,  "--rate",
+                                           "100",  "-o",      walk};
+            words.insert(words.end(), manner.begin(), manner.end());
+            CAPTURE(words);
+            const Run made = run(words);
+            if (made.code != 0)
+            {
+              REQUIRE(made.code == 64);
+              REQUIRE(made.err.find(" would do") != std::string::npos);
+              for (const char* reason :
+                   {"the leg can be", "would tip", "would slip", "have to pull", "would need", "below the ground"})
+                refused[reason] += made.err.find(reason) != std::string::npos ? 1 : 0;
+              continue;
+            }
+            ++walked;
+            const Run eval = run({"eval", walk, "--robot", robot, "--method", "constrained", "-o", answers});
+            CAPTURE(eval.out);
+            REQUIRE(eval.code == 0);
+            CHECK(eval.out.find(" 0 rejected") != std::string::npos);
+            for (const char* flag : {"SLIPS", "LIFTS", "TIPS", "OVER_TORQUE", "INCONSISTENT"})
+              CHECK(eval.out.find(flag) == std::string::npos);
+          }
+  const int all = static_cast<int>(2 * lengths.size() * times.size() * shares.size() * 5);
+  int with_reason = 0;
+  std::string reasons;
+  for (const auto& [reason, count] : refused)
+  {
+    with_reason += count;
+    reasons += fmt::format("{}: {}, ", reason, count);
+  }
+  CAPTURE(walked, all, reasons);
+  CHECK(walked + with_reason == all);
+#ifdef NDEBUG
+  CHECK(all >= 200);
+  CHECK(walked > all / 4);
+  CHECK(with_reason > all / 10);
+#endif
 }
 
 TEST_CASE("torquectl compare shows what each method makes of a walk", "[gait]")
