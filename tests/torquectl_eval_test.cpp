@@ -509,6 +509,43 @@ TEST_CASE("what cannot be done ends with its exit code and one line", "[torquect
   CHECK(config.err.starts_with("torquectl: " + bad_config + ":1: colour: "));
 }
 
+TEST_CASE("each subcommand that reads a motion says which file or column is wrong", "[torquectl_eval]")
+{
+  const TemporaryFolder folder;
+  const std::string none = folder.file("none.csv");
+  std::string text = read_file(kWalk);
+  text.replace(text.find(",contactR"), 9, ",contactX");
+  const std::string bad_column = folder.write("column.csv", text);
+  text = read_file(kWalk);
+  const std::size_t last = text.find_last_of('\n', text.size() - 2);
+  text.replace(last + 1, text.find(',', last) - last - 1, "soon");
+  const std::string bad_cell = folder.write("cell.csv", text);
+  for (const auto& [name, extension] : std::vector<std::pair<std::string, std::string>>{{"eval", ".csv"},
+                                                                                        {"compare", ""},
+                                                                                        {"report", ".html"},
+                                                                                        {"project", ".csv"},
+                                                                                        {"dynamics", ".json"},
+                                                                                        {"wrenches", ".csv"}})
+  {
+    const std::string out = folder.file("out" + extension);
+    const auto failure = [&, name = name, extension = extension](const std::string& file)
+    {
+      std::vector<std::string> words{name, file, "--robot", "human-subject01"};
+      if (!extension.empty())
+        words.insert(words.end(), {"-o", out});
+      const Run ended = run(words);
+      CHECK(ended.out == "");
+      CHECK_FALSE(std::filesystem::exists(out));
+      return fmt::format("{} {}", ended.code, ended.err);
+    };
+    CAPTURE(name);
+    CHECK(failure(none) == fmt::format("65 torquectl: {}: cannot be read: No such file or directory\n", none));
+    CHECK(failure(bad_column).starts_with(fmt::format("65 torquectl: {}:", bad_column)));
+    CHECK(failure(bad_column).find("found no column contactR") != std::string::npos);
+    CHECK(failure(bad_cell).find("found \"soon\"; expected") != std::string::npos);
+  }
+}
+
 TEST_CASE("a full disk is not taken for success", "[torquectl_eval]")
 {
   const TemporaryFolder folder;
@@ -536,7 +573,8 @@ TEST_CASE("a full disk is not taken for success", "[torquectl_eval]")
 
 TEST_CASE("every subcommand has help with an example", "[torquectl_eval]")
 {
-  for (const std::string name : {"send", "echo", "eval", "dynamics", "wrenches", "export", "model"})
+  for (const std::string name : {"send", "echo", "view", "eval", "compare", "report", "export", "gait", "project",
+                                 "dynamics", "wrenches", "model", "status", "doctor"})
   {
     const Run help = run({name, "--help"});
     CHECK(help.code == 0);

@@ -6,6 +6,8 @@
 #include "wire/codec.h"
 
 #include <algorithm>
+#include <fmt/format.h>
+#include <httplib.h>
 #include <memory>
 #include <nlohmann/json.hpp>
 
@@ -137,4 +139,67 @@ TEST_CASE("echo ends cleanly when it is interrupted", "[torquectl_process]")
   CHECK(lines(read_file(folder.file("echo"))) >= 3);
   echo.signal(SIGINT);
   CHECK(echo.wait() == 0);
+}
+
+TEST_CASE("without a bus, and without a daemon, each subcommand that needs one says so", "[torquectl_process]")
+{
+  const std::vector<std::vector<std::string>> all{
+      {"send", kWalk}, {"echo"}, {"view", "--port", "0"}, {"status", "--once"}};
+  for (std::vector<std::string> words : all)
+  {
+    words.insert(words.end(), {"--lcm-url", "nonsense://"});
+    const Run ended = run(words);
+    CAPTURE(words, ended.output);
+    CHECK(ended.code == 69);
+    CHECK(ended.output.find("torquectl: the LCM bus cannot be opened: lcm_url is \"nonsense://\". A bus within one "
+                            "machine is udpm://239.255.76.67:7667?ttl=0 and needs: sudo ip link") != std::string::npos);
+  }
+  const TemporaryFolder folder;
+  std::vector<std::unique_ptr<Process>> waiting; // each waits some seconds
+  for (std::vector<std::string> words : all)
+  {
+    words.insert(words.begin(), TORQUECTL);
+    waiting.push_back(std::make_unique<Process>(words, folder.file(words[1])));
+  }
+  for (std::size_t i = 0; i < all.size(); ++i)
+  {
+    CHECK(waiting[i]->wait() == 69);
+    const std::string said = read_file(folder.file(all[i][0]));
+    CAPTURE(said);
+    CHECK((said.find("is torqued running on this bus and network") != std::string::npos));
+  }
+}
+
+TEST_CASE("view outlives its daemon, and shows the next one's robot", "[torquectl_process]")
+{
+  const TemporaryFolder folder;
+  auto torqued = std::make_unique<Process>(std::vector<std::string>{TORQUED, "--robot", "ck"}, folder.file("ck"));
+  Process view({TORQUECTL, "view", "--port", "0"}, folder.file("view"));
+  const auto wait_for = [](const auto& condition)
+  {
+    for (int i = 0; i < 1000 && !condition(); ++i)
+      std::this_thread::sleep_for(std::chrono::milliseconds(10));
+    return condition();
+  };
+  const auto said = [&]
+  {
+    return read_file(folder.file("view"));
+  };
+  REQUIRE(wait_for([&] { return said().find("127.0.0.1:") != std::string::npos && said().ends_with("\n"); }));
+  const std::string text = said();
+  httplib::Client browser("127.0.0.1", std::stoi(text.substr(text.find("127.0.0.1:") + 10)));
+  const auto robot = [&]() -> std::string
+  {
+    const auto answer = browser.Get("/document");
+    return answer ? nlohmann::json::parse(answer->body)["robot"]["name"].get<std::string>() : "";
+  };
+  CHECK(robot() == "ck");
+  torqued->signal(SIGKILL);
+  torqued->wait();
+  CHECK(robot() == "ck");
+  torqued = std::make_unique<Process>(std::vector<std::string>{TORQUED, "--robot", "rk"}, folder.file("rk"));
+  CHECK(wait_for([&] { return robot() == "rk"; }));
+  CHECK(browser.Get("/nothing")->status == 404);
+  view.signal(SIGINT);
+  CHECK(view.wait() == 0);
 }

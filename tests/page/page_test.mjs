@@ -26,7 +26,9 @@ const methods = ['human-transition', 'constrained'];
 let browser;
 before(async () => {
   mkdirSync(PICTURES, {recursive: true});
-  torquectl('report', walk, '--robot', 'human-subject01', ...methods.flatMap(name => ['--method', name]), '-o', file('walk.html'));
+  // the page of tools/demo: a log as it was answered by the first method, beside the other one and the plates
+  torquectl('eval', walk, '--robot', 'human-subject01', '--method', methods[0], '-o', file('walk.lcm'));
+  torquectl('report', file('walk.lcm'), '--measured', walk, '--method', methods[1], '-o', file('walk.html'));
   for (const name of methods)
     torquectl('eval', walk, '--robot', 'human-subject01', '--method', name, '-o', file(name + '.csv'));
   torquectl('gait', '--robot', 'rk', '-o', file('rk.csv'));
@@ -189,7 +191,7 @@ test('the robot shows the answers that are chosen, and curves can be hidden', as
   await page.selectOption('#shown', '1');
   assert.notEqual(await picture(page), first);
   assert.match(await page.textContent('#key'), /ground reaction, constrained/);
-  await page.getByLabel('human-transition').last().uncheck();
+  await page.getByLabel('as recorded, human-transition').last().uncheck();
   assert.deepEqual(Object.keys(await values(page, 'left hip, N m')), ['plates', 'published', 'run 1']);
   for (const layer of ['ground reactions', 'measured ones', 'friction cones', 'torques', 'other instants']) {
     const with_it = await picture(page);
