@@ -477,72 +477,77 @@ TEST_CASE("torquectl gait says what is wrong with its options", "[gait]")
 
 TEST_CASE("a walk from standing to standing rests at both ends, with its feet side by side", "[gait]")
 {
-  for (const char* name : {"ck", "rk", "human-subject01"})
-    for (const bool flat_footed : {false, true})
+#ifdef NDEBUG
+  const std::vector<std::pair<const char*, bool>> cases{
+      {"ck", false}, {"ck", true}, {"rk", false}, {"rk", true}, {"human-subject01", false}, {"human-subject01", true}};
+#else
+  const std::vector<std::pair<const char*, bool>> cases{{"rk", true}};
+#endif
+  for (const auto& [name, flat_footed] : cases)
+  {
+    CAPTURE(name, flat_footed);
+    const Robot robot = load_robot(name);
+    GaitOptions options = default_gait(robot);
+    options.standing = 1.0;
+    options.flat_footed = flat_footed;
+    options.hip_height *= 0.95;
+    options.steps = 3;
+    const Gait gait(robot, options);
+    CHECK(gait.obstacle() == "");
+    CHECK(gait.report().zmp_margin > 0.03);
+    const auto& phases = gait.phases();
+    const double lengths[] = {0.0, 2.0 * options.step_length};
+    for (const int end : {0, 1})
     {
-      CAPTURE(name, flat_footed);
-      const Robot robot = load_robot(name);
-      GaitOptions options = default_gait(robot);
-      options.standing = 1.0;
-      options.flat_footed = flat_footed;
-      options.hip_height *= 0.95;
-      options.steps = 3;
-      const Gait gait(robot, options);
-      CHECK(gait.obstacle() == "");
-      CHECK(gait.report().zmp_margin > 0.03);
-      const auto& phases = gait.phases();
-      const double lengths[] = {0.0, 2.0 * options.step_length};
-      for (const int end : {0, 1})
-      {
-        const GaitPhase& phase = end == 0 ? phases.front() : phases.back();
-        const DesiredState state = gait.at(end == 0 ? phase.begin : phase.end, phase);
-        CHECK(state.support.contact == std::array{Contact::sole, Contact::sole});
-        CHECK(state.support.load_transfer == 0.5);
-        CHECK(state.support.phase == 0.5);
-        CHECK(state.v.cwiseAbs().maxCoeff() < 1e-12);
-        CHECK(state.a.cwiseAbs().maxCoeff() < 1e-10);
-        const SupportEquations equations = equations_of(robot, state);
-        for (const Side side : kSides)
-          CHECK(mismatch(equations.foot(side).ankle.x(), lengths[end], 1e-9) == "");
-        // at rest the zero-moment point is below the centre of mass, in the middle of the soles
-        const Foot& foot = robot.foot(Side::left);
-        CHECK(mismatch(zero_moment_point(robot, equations), lengths[end] + 0.5 * (foot.heel_x() + foot.toe_x()),
-                       1e-4) == "");
-      }
-      // continuous where contacts change, no foot below the ground, rates the derivatives of angles
-      for (std::size_t k = 0; k < phases.size(); ++k)
-      {
-        const double t = phases[k].begin;
-        if (k > 0)
-        {
-          const DesiredState before = gait.at(t, phases[k - 1]), after = gait.at(t, phases[k]);
-          CHECK(mismatch(before.q, after.q, 1e-12) == "");
-          CHECK(mismatch(before.v, after.v, 1e-10) == "");
-          CHECK(mismatch(before.a, after.a, 1e-8) == "");
-          const auto jump =
-              (solution(robot, before, Method::constrained).torque - solution(robot, after, Method::constrained).torque)
-                  .cwiseAbs()
-                  .maxCoeff();
-          CHECK(jump < 1e-6);
-        }
-        const double middle = 0.5 * (phases[k].begin + phases[k].end);
-        const DesiredState state = gait.at(middle, phases[k]);
-        const SupportEquations equations = equations_of(robot, state);
-        CHECK(equations.contact_speed < 1e-11);
-        CHECK(equations.contact_residual < 1e-9);
-        // knots are 18 ms apart: within a stencil of ±4 × 0.2 ms the fifth derivative is one or two constants
-        const auto q = [&](double h)
-        {
-          return Eigen::VectorXd(gait.at(middle + h, phases[k]).q);
-        };
-        const auto v = [&](double h)
-        {
-          return Eigen::VectorXd(gait.at(middle + h, phases[k]).v);
-        };
-        CHECK(mismatch(oracle::slope(q, 2e-4), state.v, 1e-8) == "");
-        CHECK(mismatch(oracle::slope(v, 2e-4), state.a, 1e-6) == "");
-      }
+      const GaitPhase& phase = end == 0 ? phases.front() : phases.back();
+      const DesiredState state = gait.at(end == 0 ? phase.begin : phase.end, phase);
+      CHECK(state.support.contact == std::array{Contact::sole, Contact::sole});
+      CHECK(state.support.load_transfer == 0.5);
+      CHECK(state.support.phase == 0.5);
+      CHECK(state.v.cwiseAbs().maxCoeff() < 1e-12);
+      CHECK(state.a.cwiseAbs().maxCoeff() < 1e-10);
+      const SupportEquations equations = equations_of(robot, state);
+      for (const Side side : kSides)
+        CHECK(mismatch(equations.foot(side).ankle.x(), lengths[end], 1e-9) == "");
+      // at rest the zero-moment point is below the centre of mass, in the middle of the soles
+      const Foot& foot = robot.foot(Side::left);
+      CHECK(mismatch(zero_moment_point(robot, equations), lengths[end] + 0.5 * (foot.heel_x() + foot.toe_x()), 1e-4) ==
+            "");
     }
+    // continuous where contacts change, no foot below the ground, rates the derivatives of angles
+    for (std::size_t k = 0; k < phases.size(); ++k)
+    {
+      const double t = phases[k].begin;
+      if (k > 0)
+      {
+        const DesiredState before = gait.at(t, phases[k - 1]), after = gait.at(t, phases[k]);
+        CHECK(mismatch(before.q, after.q, 1e-12) == "");
+        CHECK(mismatch(before.v, after.v, 1e-10) == "");
+        CHECK(mismatch(before.a, after.a, 1e-8) == "");
+        const auto jump =
+            (solution(robot, before, Method::constrained).torque - solution(robot, after, Method::constrained).torque)
+                .cwiseAbs()
+                .maxCoeff();
+        CHECK(jump < 1e-6);
+      }
+      const double middle = 0.5 * (phases[k].begin + phases[k].end);
+      const DesiredState state = gait.at(middle, phases[k]);
+      const SupportEquations equations = equations_of(robot, state);
+      CHECK(equations.contact_speed < 1e-11);
+      CHECK(equations.contact_residual < 1e-9);
+      // knots are 18 ms apart: within a stencil of ±4 × 0.2 ms the fifth derivative is one or two constants
+      const auto q = [&](double h)
+      {
+        return Eigen::VectorXd(gait.at(middle + h, phases[k]).q);
+      };
+      const auto v = [&](double h)
+      {
+        return Eigen::VectorXd(gait.at(middle + h, phases[k]).v);
+      };
+      CHECK(mismatch(oracle::slope(q, 2e-4), state.v, 1e-8) == "");
+      CHECK(mismatch(oracle::slope(v, 2e-4), state.a, 1e-6) == "");
+    }
+  }
 }
 
 TEST_CASE("flat-footed, both soles are on the ground in double support, and a walk goes from one foot to the other",
@@ -576,11 +581,16 @@ TEST_CASE("over a grid, walks are refused with a reason, or constrained keeps al
   const std::vector<std::string> lengths{"0.15", "0.3", "0.45", "0.6"}, times{"0.45", "0.7", "1.1"},
       shares{"0.2", "0.5"};
 #else
-  const std::vector<std::string> lengths{"0.3"}, times{"0.45", "0.7"}, shares{"0.5"};
+  const std::vector<std::string> lengths{"0.3"}, times{"0.7"}, shares{"0.5"};
 #endif
   int walked = 0;
   std::map<std::string, int> refused; // by the reason's beginning
-  for (const std::string robot : {"ck", "rk"})
+#ifdef NDEBUG
+  const std::vector<std::string> robots{"ck", "rk"};
+#else
+  const std::vector<std::string> robots{"rk"};
+#endif
+  for (const std::string& robot : robots)
     for (const std::string& length : lengths)
       for (const std::string& time : times)
         for (const std::string& share : shares)
@@ -614,7 +624,7 @@ TEST_CASE("over a grid, walks are refused with a reason, or constrained keeps al
             for (const char* flag : {"SLIPS", "LIFTS", "TIPS", "OVER_TORQUE", "INCONSISTENT"})
               CHECK(eval.out.find(flag) == std::string::npos);
           }
-  const int all = static_cast<int>(2 * lengths.size() * times.size() * shares.size() * 5);
+  const int all = static_cast<int>(robots.size() * lengths.size() * times.size() * shares.size() * 5);
   int with_reason = 0;
   std::string reasons;
   for (const auto& [reason, count] : refused)

@@ -9,14 +9,14 @@ using namespace torqued;
 namespace
 {
 
-// a walk over heels, soles and toes; samples a hundredth of a second apart, both ends of each phase among them
+// a walk over heels, soles and toes; samples, eight to a phase, both ends of each phase among them
 std::vector<DesiredState> walk(const Robot& robot)
 {
   const Gait gait(robot, default_gait(robot));
   std::vector<DesiredState> states;
   for (const GaitPhase& phase : gait.phases())
-    for (int i = 0; i <= 20; ++i)
-      states.push_back(gait.at(phase.begin + (phase.end - phase.begin) * i / 20, phase));
+    for (int i = 0; i <= 8; ++i)
+      states.push_back(gait.at(phase.begin + (phase.end - phase.begin) * i / 8, phase));
   return states;
 }
 
