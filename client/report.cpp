@@ -38,7 +38,7 @@ struct Options
 // One file: its bytes, and how they were read.
 struct Input
 {
-  std::string bytes;
+  std::string file, bytes;
   Trajectory trajectory;
 };
 
@@ -49,20 +49,25 @@ struct Samples
   std::vector<std::size_t> places;
 };
 
-// the names that a log says, of a robot that need not be known yet
-CoordinateNames names_for(std::string_view bytes, const Config& config, const Options& options)
+// The robot that a log was recorded with, if it is one that ships.
+Robot recorded_robot(const Input& input, const Channels& channels)
 {
-  const bool any_robot = LogReader::is_log(bytes) && options.robot.empty();
-  return any_robot ? CoordinateNames{} : coordinate_names(load_robot(config.robot));
+  LogReader log(input.bytes);
+  model_info_t model;
+  while (const auto record = log.next())
+    if (record->channel == channels.model && decode(record->data, model))
+      return shipped_robot(model, input.file);
+  throw Failure(ExitCode::bad_data,
+                fmt::format("{}: holds no model_info_t; --robot says which robot it was", input.file));
 }
 
-// The robot that was asked for; else the one that the first file was recorded with, if it is one that ships; else the
-// configuration's.
-Robot find_robot(const Trajectory& trajectory, const Config& config, const Options& options)
+// The robot that was asked for; else the first log's; else, of CSVs, the configuration's.
+Robot find_robot(const std::vector<Input>& inputs, const Config& config, const Options& options,
+                 const Channels& channels)
 {
-  if (!options.robot.empty() || !trajectory.recorded_model)
-    return load_robot(config.robot);
-  return shipped_robot(*trajectory.recorded_model, trajectory.file);
+  const auto log =
+      std::find_if(inputs.begin(), inputs.end(), [](const Input& input) { return LogReader::is_log(input.bytes); });
+  return options.robot.empty() && log != inputs.end() ? recorded_robot(*log, channels) : load_robot(config.robot);
 }
 
 // Of several streams the one with the most samples: their clocks have nothing to do with one another.
@@ -115,7 +120,7 @@ Samples choose_samples(const Robot& robot, const Trajectory& trajectory, double 
     samples.states.push_back(std::get<DesiredState>(desired));
     samples.places.push_back(i);
   }
-  if (samples.states.empty() && unusable > 0)
+  if (!last)
     throw Failure(ExitCode::bad_data, fmt::format("{}: no sample can be shown with {}; the first: {}", trajectory.file,
                                                   robot.name, complaint));
   if (samples.states.empty())
@@ -326,13 +331,11 @@ ExitCode report(const Options& options)
 
   std::vector<Input> inputs;
   for (const std::string& file : options.files)
-  {
-    Input& input = inputs.emplace_back();
-    input.bytes = read_file(file);
+    inputs.push_back({file, read_file(file), {}});
+  const Robot robot = find_robot(inputs, config, options, channels);
+  for (Input& input : inputs)
     input.trajectory =
-        parse_trajectory(input.bytes, file, names_for(input.bytes, config, options), options.differentiate, channels);
-  }
-  const Robot robot = find_robot(inputs.front().trajectory, config, options);
+        parse_trajectory(input.bytes, input.file, coordinate_names(robot), options.differentiate, channels);
   check_fits(config, robot);
 
   flush_denormals();

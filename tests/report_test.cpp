@@ -394,6 +394,17 @@ TEST_CASE("report says what it cannot show", "[report]")
   fails({"report", log, "--measured", walk, "-o", page}, 65, "found no column of what was measured");
   fails({"report", walk, "-o", "/nowhere/page.html"}, 1, "/nowhere/page.html");
 
+  // a log that does not say its robot: recorded too late for the model, which comes every two seconds
+  const std::string bytes = read_file(log);
+  LogReader reader(bytes);
+  LogWriter writer(folder.file("nameless.lcm"));
+  while (const auto record = reader.next())
+    if (record->channel != "TORQUED_MODEL")
+      writer.write(std::string(record->channel), record->timestamp, record->data);
+  writer.close();
+  fails({"report", folder.file("nameless.lcm"), "-o", page}, 65,
+        "nameless.lcm: holds no model_info_t; --robot says which robot it was");
+
   // a log of a robot that does not ship
   const std::string mine = folder.write("mine.toml", std::string(shipped_robot_toml("ck")));
   std::string toml = read_file(mine);

@@ -680,20 +680,21 @@
   let following = false, lastFrame = null, timer = 0;
   const fetchLast = async () => {
     if (!following) return;
+    let heard = null;
     try {
-      const heard = await (await fetch('document', {cache: 'no-store'})).json();
-      if (JSON.stringify(heard.robot) !== JSON.stringify(robot)) { location.reload(); return; }
-      if (heard.motions.length > 0 && following) {
-        const first = motions.length === 0;
-        const closer = view[1] - view[0] < end - begin ? view[1] - view[0] : Infinity;
-        load(heard);
-        if (first) begun();
-        view = [Math.max(begin, end - closer), end];
-        if (Math.abs(now - (end - LATE)) > 0.5) now = end - LATE;
-        refresh();
-      }
+      heard = await (await fetch('document', {cache: 'no-store'})).json();
     } catch {
-      byId('summary').textContent = `${robot.name} · torquectl view is gone; reload this page when it runs again`;
+      byId('summary').textContent = `${robot.name} · torquectl view is gone; this page goes on when it is back`;
+    }
+    if (heard && JSON.stringify(heard.robot) !== JSON.stringify(robot)) { location.reload(); return; }
+    if (heard && heard.motions.length > 0 && following) {
+      const first = motions.length === 0;
+      const closer = view[1] - view[0] < end - begin ? view[1] - view[0] : Infinity;
+      load(heard);
+      if (first) begun();
+      view = [Math.max(begin, end - closer), end];
+      if (Math.abs(now - (end - LATE)) > 0.5) now = end - LATE;
+      refresh();
     }
     timer = setTimeout(fetchLast, 250);
   };
