@@ -135,7 +135,8 @@ Measured read_measured(std::string_view bytes, const std::string& file, const Ro
   auto columns = read_columns(bytes, file, wanted);
 
   Measured measured;
-  auto& [channels, plates] = measured;
+  std::vector<Channel>& channels = measured.channels;
+  auto& plates = measured.plates;
   const auto add_moments = [&](int joint, bool published, std::vector<double> values)
   {
     const std::string& name = robot.actuators[static_cast<std::size_t>(joint)].name;
