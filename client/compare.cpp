@@ -41,7 +41,7 @@ struct MethodRun
 MethodRun run_method(const Robot& robot, const AnswerSettings& settings, const std::vector<DesiredState>& states,
                      const Changes& changes, std::string name)
 {
-  Answers answers = answer_all(robot, settings, states);
+  Answers answers = answer_all(robot, settings, states, settings.methods.method).answers;
   Outcome outcome = outcome_of(robot, states, answers, changes);
   return {std::move(name), std::move(answers), std::move(outcome)};
 }

@@ -31,18 +31,22 @@ double power(const Robot& robot, const DesiredState& state, const Answer& answer
 
 } // namespace
 
-Answers answer_all(const Robot& robot, const AnswerSettings& settings, const std::vector<DesiredState>& states)
+Answered answer_all(const Robot& robot, AnswerSettings settings, const std::vector<DesiredState>& states,
+                    const std::optional<Method>& by)
 {
-  Answers answers;
+  Answered answered;
+  settings.methods.method = by.value_or(settings.methods.method);
   StreamMemory memory;
   for (DesiredState desired : states)
   {
-    desired.method = settings.methods.method;
+    desired.method = by.value_or(desired.method);
     const Result<Answer> result = answer(robot, settings, desired, memory);
     const Answer* found = std::get_if<Answer>(&result);
-    answers.push_back(found ? std::optional(*found) : std::nullopt);
+    answered.answers.push_back(found ? std::optional(*found) : std::nullopt);
+    if (!found)
+      ++answered.refused[std::string(name_of(std::get<Refusal>(result).reason()))];
   }
-  return answers;
+  return answered;
 }
 
 Changes find_changes(const std::vector<DesiredState>& states)

@@ -16,8 +16,15 @@ namespace torqued
 /// By sample of a motion; nothing where it was not answered.
 using Answers = std::vector<std::optional<Answer>>;
 
-/// Answers a motion by the settings' method, whatever method its samples ask for.
-Answers answer_all(const Robot& robot, const AnswerSettings& settings, const std::vector<DesiredState>& states);
+/// What torqued would answer to a motion.
+struct Answered
+{
+  Answers answers;
+  std::map<std::string, std::int64_t> refused; ///< samples by the reason's name
+};
+/// Answers a motion. by: the method, whatever its samples ask for; nothing: as they ask, or else by the settings'.
+Answered answer_all(const Robot& robot, AnswerSettings settings, const std::vector<DesiredState>& states,
+                    const std::optional<Method>& by);
 
 /// The changes of contacts in a motion, by kind: "SSP→DSP1".
 struct Changes

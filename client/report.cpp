@@ -175,32 +175,17 @@ std::optional<ReportRun> recorded_run(const Input& input, const Samples& samples
   return run;
 }
 
-// what the daemon would answer; by: whatever method samples ask for, or nothing, and that method counts
-ReportRun evaluated_run(const Robot& robot, AnswerSettings settings, const std::vector<DesiredState>& states,
+// what the daemon would answer, as answer_all() does
+ReportRun evaluated_run(const Robot& robot, const AnswerSettings& settings, const std::vector<DesiredState>& states,
                         const std::optional<Method>& by)
 {
-  ReportRun run;
-  std::set<std::string> methods;
-  if (by)
-    settings.methods.method = *by;
-  StreamMemory memory;
-  for (DesiredState desired : states)
-  {
-    if (by)
-      desired.method = *by;
-    const Result<Answer> result = answer(robot, settings, desired, memory);
-    if (const Refusal* refusal = std::get_if<Refusal>(&result))
-    {
-      ++run.unanswered[std::string(name_of(refusal->reason()))];
-      run.answers.emplace_back();
-      continue;
-    }
-    run.answers.emplace_back(std::get<Answer>(result));
-    if (const Method method = run.answers.back()->method; method != Method::none)
-      methods.insert(std::string(name_of(method)));
-  }
-  run.name = by ? std::string(name_of(*by)) : methods.empty() ? "torqued" : fmt::format("{}", fmt::join(methods, ", "));
-  return run;
+  Answered answered = answer_all(robot, settings, states, by);
+  std::set<std::string_view> methods;
+  for (const std::optional<Answer>& answer : answered.answers)
+    if (answer && answer->method != Method::none)
+      methods.insert(name_of(answer->method));
+  const std::string used = methods.empty() ? "torqued" : fmt::format("{}", fmt::join(methods, ", "));
+  return {by ? std::string(name_of(*by)) : used, std::move(answered.answers), {}, std::move(answered.refused)};
 }
 
 // Rows of what was measured, by sample of a motion.

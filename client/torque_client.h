@@ -64,10 +64,12 @@ public:
 
   /// Publishes a desired state and waits for what becomes of it, at the longest for `patience`; then it is silence.
   /// What comes later is dropped: torques for an instant that has passed are of no use. Stamps as publish() does.
+  /// Throws what publish() and handle() do.
   Reply ask(desired_state_t& desired, Clock::duration patience);
 
   /// Publishes a desired state without waiting. Stamps it: utime by this machine's monotonic clock, µs, but at least
   /// one more than the one before; stream_id; model_id, if the model is known. Its reply goes to on_reply().
+  /// Throws std::runtime_error if the bus takes no message.
   void publish(desired_state_t& desired);
   /// Calls back, within handle() and ask(), with one reply for each published desired state, in the order in which they
   /// come; silence `patience` after it was published. What the callback throws comes out of handle() or ask(). It may
