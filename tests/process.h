@@ -53,6 +53,14 @@ public:
   pid_t pid() const { return pid_; }
   void signal(int number) const { kill(pid_, number); }
 
+  /// Waits for its end, at whatever moment it comes: its exit code, or minus the signal that killed it.
+  int wait_for_end()
+  {
+    if (int status = 0; !ended_ && waitpid(pid_, &status, 0) == pid_)
+      note(status);
+    return ended_.value_or(-1);
+  }
+
   /// Its exit code, or minus the signal that killed it; nothing if it still runs after this time.
   std::optional<int> wait(std::chrono::milliseconds longest = std::chrono::seconds(30))
   {
@@ -61,7 +69,7 @@ public:
     {
       int status = 0;
       if (waitpid(pid_, &status, WNOHANG) == pid_)
-        ended_ = WIFEXITED(status) ? WEXITSTATUS(status) : -WTERMSIG(status);
+        note(status);
       else
         std::this_thread::sleep_for(std::chrono::milliseconds(5));
     }
@@ -69,6 +77,8 @@ public:
   }
 
 private:
+  void note(int status) { ended_ = WIFEXITED(status) ? WEXITSTATUS(status) : -WTERMSIG(status); }
+
   pid_t pid_ = -1;
   std::optional<int> ended_;
 };

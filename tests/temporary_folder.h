@@ -13,9 +13,9 @@ namespace torqued
 class TemporaryFolder
 {
 public:
-  TemporaryFolder()
+  explicit TemporaryFolder(const std::filesystem::path& parent = std::filesystem::temp_directory_path())
   {
-    std::string name = (std::filesystem::temp_directory_path() / "torqued-test-XXXXXX").string();
+    std::string name = (parent / "torqued-test-XXXXXX").string();
     if (!mkdtemp(name.data()))
       throw std::runtime_error("no temporary folder can be made");
     path_ = name;

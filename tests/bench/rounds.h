@@ -1,10 +1,9 @@
 /// Measurements in interleaved rounds, and what they are compared with.
 ///
-/// A machine is never the same twice. So everything is measured once per round, and of two numbers that are compared the
-/// ratio is taken within each round; what is reported are medians over the rounds.
+/// A machine is never the same twice. So everything is measured once per round, and of two numbers that are compared
+/// the ratio is taken within each round; what is reported are medians over the rounds.
 #pragma once
 
-#include <map>
 #include <optional>
 #include <string>
 #include <vector>
@@ -27,6 +26,8 @@ struct Promise
   std::string against;     ///< name of a row of the same group; empty: the row itself is compared with the bound
   double bound;
   bool at_least = false; ///< else at most
+
+  bool operator==(const Promise&) const = default;
 };
 
 /// All rows, in the order in which they were first added.
@@ -34,8 +35,8 @@ class Rounds
 {
 public:
   void add(const std::string& group, const std::string& name, const std::string& unit, double value);
-  /// Says that the row's ratio to another, or the row, is at most, or at least, this.
-  void promise(Promise promise) { promises_.push_back(std::move(promise)); }
+  /// Says that the row's ratio to another, or the row, is at most, or at least, this. Said again, it counts once.
+  void promise(Promise promise);
 
   const std::vector<Row>& rows() const { return rows_; }
   const std::vector<Promise>& promises() const { return promises_; }
