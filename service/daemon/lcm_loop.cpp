@@ -137,9 +137,10 @@ bool LcmLoop::cycle(double timeout, int stop_fd)
   poll(fds.data(), fds.size(), wait_ms);
   notice_own_stall(monotonic_us(), std::int64_t{1000} * wait_ms);
 
-  for (int i = 0; i < kQueue && bus_.handleTimeout(0) > 0; ++i)
-  {
-  }
+  // by poll() alone: handleTimeout() would ask once more, by select(), before each message
+  bool waits = (fds[0].revents & POLLIN) != 0;
+  for (int i = 0; waits && i < kQueue && bus_.handle() == 0; ++i)
+    waits = poll(fds.data(), 1, 0) == 1 && (fds[0].revents & POLLIN) != 0;
   answer_pending();
   answer_oldest_request();
   note_deafness();
