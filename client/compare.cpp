@@ -254,8 +254,8 @@ ExitCode compare(const Options& options)
 {
   if (!options.json.empty())
     require_other_file(options.offline.file, options.json);
-  const auto [config, robot, trajectory] = read_offline_input(options.offline);
-  const std::vector<DesiredState> states = decode_all(robot, trajectory);
+  const auto [config, robot, desired] = read_offline_input(options.offline);
+  const std::vector<DesiredState> states = decode_all(robot, desired);
   const std::vector<Channel> channels =
       read_measured(read_file(options.offline.file), options.offline.file, robot, states).channels;
   const Changes changes = find_changes(states);

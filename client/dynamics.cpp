@@ -103,7 +103,7 @@ ExitCode dynamics(const Options& options)
   const OfflineInput input = read_offline_input(options.offline);
   const Config& config = input.config;
   const Robot& robot = input.robot;
-  const Trajectory& trajectory = input.trajectory;
+  const DesiredMessages& desired = input.desired;
   const std::vector<BaseParameter> parameters =
       options.regressor ? base_parameters(robot) : std::vector<BaseParameter>();
   const Coordinates coordinates = options.coordinates == "absolute" ? Coordinates::absolute : Coordinates::relative;
@@ -113,23 +113,22 @@ ExitCode dynamics(const Options& options)
   dynamics_t equation{};
   StreamMemory memory;
   flush_denormals();
-  std::vector<std::byte> buffer;
   std::size_t refused_samples = 0;
-  for (std::size_t i = 0; i < trajectory.states.size(); ++i)
+  for (std::size_t i = 0; i < desired.messages.size(); ++i)
   {
-    const std::int64_t utime = trajectory.states[i].utime;
+    const std::int64_t utime = read_sender(desired.messages[i]).utime;
     const auto refuse_sample = [&](std::string_view why)
     {
       if (refused_samples++ == 0)
-        note(fmt::format("{}: {}", trajectory.place(i), why));
+        note(fmt::format("{}: {}", desired.place(i), why));
       return refused(utime, why);
     };
     const auto line = [&]() -> Json
     {
-      const Result<DesiredState> desired = decode_desired_state(encode(trajectory.states[i], buffer), robot);
-      if (const Refusal* refusal = std::get_if<Refusal>(&desired))
+      const Result<DesiredState> decoded = decode_desired_state(desired.messages[i], robot);
+      if (const Refusal* refusal = std::get_if<Refusal>(&decoded))
         return refuse_sample(refusal->detail());
-      const Result<DesiredState> moved = answered_motion(robot, config.answers, std::get<DesiredState>(desired));
+      const Result<DesiredState> moved = answered_motion(robot, config.answers, std::get<DesiredState>(decoded));
       if (const Refusal* refusal = std::get_if<Refusal>(&moved))
         return refuse_sample(refusal->detail());
       const DesiredState& state = std::get<DesiredState>(moved);
@@ -157,8 +156,8 @@ ExitCode dynamics(const Options& options)
   }
   out.close();
   if (path != "-")
-    fmt::print("{}: {} of {} samples, in {} coordinates\n", robot.name, trajectory.states.size() - refused_samples,
-               trajectory.states.size(), options.coordinates);
+    fmt::print("{}: {} of {} samples, in {} coordinates\n", robot.name, desired.messages.size() - refused_samples,
+               desired.messages.size(), options.coordinates);
   return ExitCode::done;
 }
 

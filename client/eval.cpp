@@ -18,18 +18,18 @@ namespace
 {
 
 // Writes answers as rows of a CSV, or as the log that lcm-logger would have recorded: model, desired states, answers.
+// begin: of the motion, µs
 class AnswerWriter
 {
 public:
-  AnswerWriter(const std::string& path, const Robot& robot, const Config& config, const Trajectory& trajectory)
+  AnswerWriter(const std::string& path, const Robot& robot, const Config& config, std::int64_t begin)
       : channels_(config.prefix), num_joints_(robot.actuators.size())
   {
     if (path.ends_with(".lcm"))
     {
       log_.emplace(path);
       const model_info_t model = model_info(robot, 0, settings_id(config.answers), to_toml(config));
-      log_->write(channels_.model, trajectory.states.empty() ? 0 : trajectory.states.front().utime,
-                  encode(model, buffer_));
+      log_->write(channels_.model, begin, encode(model, buffer_));
       return;
     }
     std::vector<std::string> joint_names;
@@ -84,28 +84,29 @@ private:
 };
 
 // the daemon's line for one desired state after another: bytes, checked state, answer or refusal
-Tally answer_all(const Robot& robot, const AnswerSettings& settings, const Trajectory& trajectory, AnswerWriter& writer)
+Tally answer_all(const Robot& robot, const AnswerSettings& settings, const DesiredMessages& desired,
+                 AnswerWriter& writer)
 {
   const std::int64_t id = settings_id(settings);
   StreamMemory memory;
   Tally tally;
   torque_command_t command{};
   rejection_t rejection{};
-  std::vector<std::byte> buffer;
   flush_denormals();
-  for (std::size_t i = 0; i < trajectory.states.size(); ++i)
+  for (std::size_t i = 0; i < desired.messages.size(); ++i)
   {
-    const Bytes bytes = encode(trajectory.states[i], buffer);
-    writer.heard(trajectory.states[i].utime, bytes);
-    const Result<DesiredState> desired = decode_desired_state(bytes, robot);
-    const Refusal* refusal = std::get_if<Refusal>(&desired);
+    const Bytes message = desired.messages[i];
+    const Sender sender = read_sender(message);
+    writer.heard(sender.utime, message);
+    const Result<DesiredState> state = decode_desired_state(message, robot);
+    const Refusal* refusal = std::get_if<Refusal>(&state);
     const Result<Answer> answered =
-        refusal ? Result<Answer>(*refusal) : answer(robot, settings, std::get<DesiredState>(desired), memory);
+        refusal ? Result<Answer>(*refusal) : answer(robot, settings, std::get<DesiredState>(state), memory);
     refusal = std::get_if<Refusal>(&answered);
     if (refusal)
     {
-      fill(rejection, read_sender(bytes), *refusal);
-      tally.reject(rejection.reason, fmt::format("{}: {}", trajectory.place(i), rejection.detail));
+      fill(rejection, sender, *refusal);
+      tally.reject(rejection.reason, fmt::format("{}: {}", desired.place(i), rejection.detail));
       writer.write(rejection);
     }
     else
@@ -124,12 +125,12 @@ ExitCode eval(const OfflineOptions& options)
   if (!options.out.ends_with(".csv") && !options.out.ends_with(".lcm"))
     throw Failure(ExitCode::usage,
                   fmt::format("-o: found \"{}\"; expected a name that ends in .csv or .lcm", options.out));
-  const auto [config, robot, trajectory] = read_offline_input(options);
+  const auto [config, robot, desired] = read_offline_input(options);
 
-  AnswerWriter writer(options.out, robot, config, trajectory);
-  const Tally tally = answer_all(robot, config.answers, trajectory, writer);
+  AnswerWriter writer(options.out, robot, config, read_sender(desired.messages.front()).utime);
+  const Tally tally = answer_all(robot, config.answers, desired, writer);
   writer.close();
-  fmt::print("{}: {} of {} samples answered, {}\n{}{}", robot.name, tally.answered, trajectory.states.size(),
+  fmt::print("{}: {} of {} samples answered, {}\n{}{}", robot.name, tally.answered, desired.messages.size(),
              tally.rejections(), tally.flag_line(), tally.first_of_each());
   return ExitCode::done;
 }

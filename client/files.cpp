@@ -16,9 +16,13 @@ std::string read_file(const std::string& path)
   std::FILE* file = std::fopen(path.c_str(), "rb");
   bool good = file != nullptr;
   std::string bytes;
+  constexpr std::size_t step = 1 << 18;
+  // a pipe has no size, and a log that is being recorded grows; for others this spares the copies of a growing text
+  std::error_code no_size;
+  if (const std::uintmax_t size = std::filesystem::file_size(path, no_size); good && !no_size)
+    bytes.reserve(size + step);
   while (good)
   {
-    constexpr std::size_t step = 1 << 20;
     const std::size_t size = bytes.size();
     bytes.resize(size + step);
     const std::size_t count = std::fread(bytes.data() + size, 1, step, file);

@@ -1,13 +1,10 @@
 #include "client/lcm_log.h"
 
-#include "client/failure.h"
+#include "wire/cursor.h"
 
 #include <algorithm>
-#include <cerrno>
-#include <cstdio>
-#include <fmt/format.h>
+#include <endian.h>
 #include <span>
-#include <system_error>
 
 namespace torqued
 {
@@ -19,19 +16,16 @@ namespace
 constexpr std::string_view kSyncWord = "\xed\xa1\xda\x01";
 constexpr std::size_t kHeader = 28;
 
+template <typename Number> void append(std::string& bytes, Number in_network_order)
+{
+  bytes.append(reinterpret_cast<const char*>(&in_network_order), sizeof(Number));
+}
+
 } // namespace
 
 bool LogReader::is_log(std::string_view bytes)
 {
   return bytes.starts_with(kSyncWord);
-}
-
-std::uint64_t LogReader::number_at(std::size_t offset, std::size_t width) const
-{
-  std::uint64_t number = 0;
-  for (const char byte : bytes_.substr(at_ + offset, width))
-    number = number << 8 | static_cast<unsigned char>(byte);
-  return number;
 }
 
 std::optional<LogRecord> LogReader::next()
@@ -41,15 +35,16 @@ std::optional<LogRecord> LogReader::next()
     const std::string_view rest = bytes_.substr(at_);
     if (rest.starts_with(kSyncWord) && rest.size() >= kHeader)
     {
-      const std::uint64_t channel_size = number_at(20, 4);
-      const std::uint64_t data_size = number_at(24, 4);
+      Cursor header(std::as_bytes(std::span(rest)).subspan(kSyncWord.size(), kHeader - kSyncWord.size()));
+      const std::int64_t number = header.int64();
+      const std::int64_t timestamp = header.int64();
+      const auto channel_size = std::size_t{static_cast<std::uint32_t>(header.int32())};
+      const auto data_size = std::size_t{static_cast<std::uint32_t>(header.int32())};
       if (channel_size + data_size <= rest.size() - kHeader)
       {
-        const std::string_view data = rest.substr(kHeader + channel_size, data_size);
-        const LogRecord record{static_cast<std::int64_t>(number_at(4, 8)), static_cast<std::int64_t>(number_at(12, 8)),
-                               rest.substr(kHeader, channel_size), std::as_bytes(std::span(data))};
         at_ += kHeader + channel_size + data_size;
-        return record;
+        return LogRecord{number, timestamp, rest.substr(kHeader, channel_size),
+                         std::as_bytes(std::span(rest)).subspan(kHeader + channel_size, data_size)};
       }
     }
 
@@ -61,31 +56,26 @@ std::optional<LogRecord> LogReader::next()
   return {};
 }
 
-LogWriter::LogWriter(const std::string& path) : path_(path), log_(path, "w")
+void LogWriter::write(std::string_view channel, std::int64_t timestamp, Bytes data)
 {
-  if (!log_.good())
-    fail();
-}
-
-void LogWriter::write(const std::string& channel, std::int64_t timestamp, Bytes data)
-{
-  // LCM's record wants writable data, and only reads it
-  lcm::LogEvent event{0, timestamp, channel, static_cast<std::int32_t>(data.size()),
-                      const_cast<std::byte*>(data.data())};
-  if (log_.writeEvent(&event) != 0)
-    fail();
+  pending_ += kSyncWord;
+  append(pending_, htobe64(static_cast<std::uint64_t>(number_++)));
+  append(pending_, htobe64(static_cast<std::uint64_t>(timestamp)));
+  append(pending_, htobe32(static_cast<std::uint32_t>(channel.size())));
+  append(pending_, htobe32(static_cast<std::uint32_t>(data.size())));
+  pending_ += channel;
+  pending_.append(reinterpret_cast<const char*>(data.data()), data.size());
+  constexpr std::size_t many = 1 << 18; // more would leave the processor's cache
+  if (pending_.size() < many)
+    return;
+  file_.write(pending_);
+  pending_.clear();
 }
 
 void LogWriter::close()
 {
-  if (std::fflush(log_.getFilePtr()) != 0)
-    fail();
-}
-
-void LogWriter::fail() const
-{
-  throw Failure(ExitCode::failed,
-                fmt::format("{}: cannot be written: {}", path_, std::generic_category().message(errno)));
+  file_.write(pending_);
+  file_.close();
 }
 
 } // namespace torqued

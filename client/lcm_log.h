@@ -1,9 +1,8 @@
 /// Recorded LCM traffic, as lcm-logger writes it.
 #pragma once
 
-#include "wire/codec.h"
-
-#include <lcm/lcm-cpp.hpp>
+#include "client/files.h"
+#include "wire/messages.h"
 
 #include <cstdint>
 #include <optional>
@@ -41,28 +40,28 @@ public:
   std::size_t skipped() const { return skipped_; }
 
 private:
-  std::uint64_t number_at(std::size_t offset, std::size_t width) const;
-
   std::string_view bytes_;
   std::size_t at_ = 0;
   std::size_t skipped_ = 0;
 };
 
 /// Writes a log. Throws Failure, failed, with the file's name and the reason.
+///
+/// liblcm's own writer makes seven calls and an allocation of each record.
 class LogWriter
 {
 public:
-  explicit LogWriter(const std::string& path);
+  explicit LogWriter(const std::string& path) : file_(path) {}
 
-  void write(const std::string& channel, std::int64_t timestamp, Bytes data);
+  /// timestamp: µs
+  void write(std::string_view channel, std::int64_t timestamp, Bytes data);
   /// Makes sure that all has been written; a log that is not closed this way may be incomplete.
   void close();
 
 private:
-  [[noreturn]] void fail() const;
-
-  std::string path_;
-  lcm::LogFile log_;
+  OutputFile file_;
+  std::string pending_; // whole records that the file does not have yet
+  std::int64_t number_ = 0;
 };
 
 } // namespace torqued

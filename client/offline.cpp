@@ -40,23 +40,22 @@ OfflineInput read_offline_input(const OfflineOptions& options)
   set_flag("--prefix", set_prefix, config, options.prefix);
   Robot robot = load_robot(config.robot);
   check_fits(config, robot);
-  Trajectory trajectory = parse_trajectory(read_file(options.file), options.file, coordinate_names(robot),
+  DesiredMessages desired = parse_messages(read_file(options.file), options.file, coordinate_names(robot),
                                            options.differentiate, Channels(config.prefix));
-  for (const std::string& line : notes(trajectory, robot.name, robot.model_id))
+  for (const std::string& line : notes(desired, robot.name, robot.model_id))
     note(line);
-  return {std::move(config), std::move(robot), std::move(trajectory)};
+  return {std::move(config), std::move(robot), std::move(desired)};
 }
 
-std::vector<DesiredState> decode_all(const Robot& robot, const Trajectory& trajectory)
+std::vector<DesiredState> decode_all(const Robot& robot, const DesiredMessages& desired)
 {
   std::vector<DesiredState> states;
-  std::vector<std::byte> buffer;
-  for (std::size_t i = 0; i < trajectory.states.size(); ++i)
+  for (std::size_t i = 0; i < desired.messages.size(); ++i)
   {
-    const Result<DesiredState> desired = decode_desired_state(encode(trajectory.states[i], buffer), robot);
-    if (const Refusal* refusal = std::get_if<Refusal>(&desired))
-      throw Failure(ExitCode::bad_data, fmt::format("{}: {}", trajectory.place(i), refusal->detail()));
-    states.push_back(std::get<DesiredState>(desired));
+    const Result<DesiredState> state = decode_desired_state(desired.messages[i], robot);
+    if (const Refusal* refusal = std::get_if<Refusal>(&state))
+      throw Failure(ExitCode::bad_data, fmt::format("{}: {}", desired.place(i), refusal->detail()));
+    states.push_back(std::get<DesiredState>(state));
   }
   return states;
 }

@@ -34,14 +34,15 @@ struct OfflineInput
 {
   Config config;
   Robot robot;
-  Trajectory trajectory;
+  DesiredMessages desired;
 };
 
-/// Reads configuration, robot and trajectory, and tells the user what to know about them. Throws Failure; FileError.
+/// Reads configuration, robot and desired states, and tells the user what to know about them. Throws Failure;
+/// FileError.
 OfflineInput read_offline_input(const OfflineOptions& options);
 
-/// The trajectory's desired states, checked as the daemon checks them; all of them. Throws Failure, bad_data, with the
-/// place of the first that cannot be used.
-std::vector<DesiredState> decode_all(const Robot& robot, const Trajectory& trajectory);
+/// Desired states, checked as the daemon checks them; all of them. Throws Failure, bad_data, with the place of the
+/// first that cannot be used.
+std::vector<DesiredState> decode_all(const Robot& robot, const DesiredMessages& desired);
 
 } // namespace torqued

@@ -24,28 +24,27 @@ bool in_contact(const DesiredState& state, Side side)
   return state.support.of(side) != Contact::none;
 }
 
-void check_base(const Trajectory& trajectory, const std::vector<DesiredState>& states)
+void check_base(const Origin& origin, const std::vector<DesiredState>& states)
 {
   for (std::size_t i = 0; i < states.size(); ++i)
     if (states[i].base_given != states.front().base_given)
       throw Failure(ExitCode::bad_data,
                     fmt::format("{}: base is {}; expected it GIVEN in all desired states, or FROM_CONTACT in all",
-                                trajectory.place(i), states[i].base_given ? "GIVEN" : "FROM_CONTACT"));
+                                origin.place(i), states[i].base_given ? "GIVEN" : "FROM_CONTACT"));
 }
 
 // Footholds by the mean over each stance of a foot.
 //
 // Where the base follows from contact nothing says how far the robot has come, so that in double support only the
 // distance between both feet has a mean.
-std::vector<Footholds> find_footholds(const Robot& robot, const Trajectory& trajectory,
-                                      const std::vector<DesiredState>& states)
+std::vector<Footholds> find_footholds(const Robot& robot, const Origin& origin, const std::vector<DesiredState>& states)
 {
   std::vector<std::array<double, 2>> marks(states.size());
   for (std::size_t i = 0; i < states.size(); ++i)
   {
     const Result<Motion> motion = complete_motion(robot, states[i]);
     if (const Refusal* refusal = std::get_if<Refusal>(&motion))
-      throw Failure(ExitCode::bad_data, fmt::format("{}: {}", trajectory.place(i), refusal->detail()));
+      throw Failure(ExitCode::bad_data, fmt::format("{}: {}", origin.place(i), refusal->detail()));
     for (const Side side : kSides)
       if (in_contact(states[i], side))
         marks[i][static_cast<std::size_t>(side)] =
@@ -209,10 +208,10 @@ ExitCode run(const OfflineOptions& options)
   if (!options.out.ends_with(".csv") && options.out != "-")
     throw Failure(ExitCode::usage,
                   fmt::format("-o: found \"{}\"; expected a name that ends in .csv, or -", options.out));
-  const auto [config, robot, trajectory] = read_offline_input(options);
-  const std::vector<DesiredState> states = decode_all(robot, trajectory);
-  check_base(trajectory, states);
-  const std::vector<Footholds> footholds = find_footholds(robot, trajectory, states);
+  const auto [config, robot, desired] = read_offline_input(options);
+  const std::vector<DesiredState> states = decode_all(robot, desired);
+  check_base(desired, states);
+  const std::vector<Footholds> footholds = find_footholds(robot, desired, states);
   const bool base_given = states.front().base_given;
 
   std::string text = csv_line(header(robot, base_given));
@@ -221,9 +220,9 @@ ExitCode run(const OfflineOptions& options)
   {
     const Result<Projection> result = project(robot, states[i], footholds[i]);
     if (const Refusal* refusal = std::get_if<Refusal>(&result))
-      throw Failure(ExitCode::bad_data, fmt::format("{}: {}", trajectory.place(i), refusal->detail()));
+      throw Failure(ExitCode::bad_data, fmt::format("{}: {}", desired.place(i), refusal->detail()));
     const Projection& projection = std::get<Projection>(result);
-    report.add(robot, trajectory.place(i), states[i], projection);
+    report.add(robot, desired.place(i), states[i], projection);
     text += csv_line(cells(robot, projection.state, base_given));
   }
   OutputFile out(options.out);

@@ -250,14 +250,14 @@ Measured find_measured(const Input& input, const Samples& samples, const Robot& 
                        const Channels& channels)
 {
   if (options.measured.empty())
-    return input.trajectory.from_log
-               ? Measured{}
-               : choose(read_measured(input.bytes, input.trajectory.file, robot, decode_all(robot, input.trajectory)),
-                        Rows(samples.places.begin(), samples.places.end()));
+    return input.trajectory.from_log ? Measured{}
+                                     : choose(read_measured(input.bytes, input.trajectory.file, robot,
+                                                            decode_all(robot, encode_all(input.trajectory))),
+                                              Rows(samples.places.begin(), samples.places.end()));
   const std::string bytes = read_file(options.measured);
   const Trajectory trajectory =
       parse_trajectory(bytes, options.measured, coordinate_names(robot), options.differentiate, channels);
-  const std::vector<DesiredState> states = decode_all(robot, trajectory);
+  const std::vector<DesiredState> states = decode_all(robot, encode_all(trajectory));
   const Measured measured = read_measured(bytes, options.measured, robot, states);
   if (measured.channels.empty())
     throw Failure(ExitCode::bad_data,

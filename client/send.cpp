@@ -215,7 +215,7 @@ void print_json(const std::string& robot, const Ledger& ledger)
                                        {"rejected", ledger.tally().num_rejected()},
                                        {"lost", ledger.num_lost()},
                                        {"reasons", reasons},
-                                       {"flags", ledger.tally().flags},
+                                       {"flags", ledger.tally().flags()},
                                        {"round_trip_us", round_trip}};
   fmt::print("{}\n", summary.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace));
 }

@@ -22,11 +22,10 @@ template <typename Counts, typename Name, typename Count> std::string list(const
 
 } // namespace
 
-void Tally::answer(std::int32_t its_flags)
+void Tally::answer(std::int32_t flags)
 {
   ++answered;
-  for (const std::string& name : flag_names(its_flags))
-    ++flags[name];
+  ++flagged[flags];
 }
 
 void Tally::reject(std::int32_t reason, const std::string& first)
@@ -44,6 +43,15 @@ std::int64_t Tally::num_rejected() const
   return count;
 }
 
+std::map<std::string, std::int64_t> Tally::flags() const
+{
+  std::map<std::string, std::int64_t> counts;
+  for (const auto& [together, count] : flagged)
+    for (const std::string& name : flag_names(together))
+      counts[name] += count;
+  return counts;
+}
+
 std::string Tally::rejections() const
 {
   const std::string by_reason = list(rejected, reason_name, [](const Rejected& so_far) { return so_far.count; });
@@ -52,13 +60,14 @@ std::string Tally::rejections() const
 
 std::string Tally::flag_line() const
 {
-  if (flags.empty())
+  const std::map<std::string, std::int64_t> counts = flags();
+  if (counts.empty())
     return "";
   const auto same = [](const auto& value)
   {
     return value;
   };
-  return fmt::format("flags: {}\n", list(flags, same, same));
+  return fmt::format("flags: {}\n", list(counts, same, same));
 }
 
 std::string Tally::first_of_each() const

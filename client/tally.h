@@ -18,13 +18,15 @@ struct Tally
   };
 
   std::int64_t answered = 0;
-  std::map<std::int32_t, Rejected> rejected; ///< key: reason, as in rejection_t
-  std::map<std::string, std::int64_t> flags; ///< answers by the flags they carry
+  std::map<std::int32_t, Rejected> rejected;    ///< key: reason, as in rejection_t
+  std::map<std::int32_t, std::int64_t> flagged; ///< answers; key: all flags of an answer
 
-  void answer(std::int32_t its_flags);
+  void answer(std::int32_t flags);
   /// first: kept if it is the first of its reason.
   void reject(std::int32_t reason, const std::string& first);
   std::int64_t num_rejected() const;
+  /// How many answers carry each flag, by its name; flags that none carries are left out.
+  std::map<std::string, std::int64_t> flags() const;
 
   /// "19 rejected: UNDER_ACTUATED 12, STALE 7".
   std::string rejections() const;

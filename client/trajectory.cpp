@@ -16,6 +16,7 @@
 #include <iterator>
 #include <map>
 #include <set>
+#include <span>
 #include <string_view>
 #include <system_error>
 #include <utility>
@@ -382,48 +383,51 @@ private:
   std::string previous_time_;
 };
 
-Trajectory read_log(std::string_view bytes, const std::string& file, const Channels& channels)
+[[noreturn]] void fail_without_states(std::string_view bytes, const Origin& origin, const Channels& channels)
 {
-  Trajectory trajectory;
-  trajectory.file = file;
-  trajectory.from_log = true;
   std::set<std::string, std::less<>> heard;
   LogReader log(bytes);
   while (const auto record = log.next())
-  {
     heard.emplace(record->channel);
-    desired_state_t state;
-    model_info_t model;
-    if (record->channel == channels.model && !trajectory.recorded_model && decode(record->data, model))
-      trajectory.recorded_model = std::move(model);
+  constexpr std::size_t most = 8;
+  std::vector<std::string> some(heard.begin(), std::next(heard.begin(), std::min(heard.size(), most)));
+  std::transform(some.begin(), some.end(), some.begin(), [](const std::string& text) { return printable(text); });
+  throw Failure(
+      ExitCode::bad_data,
+      fmt::format("{}: found no desired state on channel {} of this LCM log ({} undecodable there); it holds {}{}; "
+                  "--prefix names another channel",
+                  origin.file, channels.desired, origin.undecodable, fmt::join(some, ", "),
+                  heard.size() > most ? ", ..." : ""));
+}
+
+// the desired states of a log, which all are whole; they lie in its bytes
+std::vector<Bytes> find_messages(std::string_view bytes, const Channels& channels, Origin& origin)
+{
+  std::vector<Bytes> messages;
+  origin.from_log = true;
+  LogReader log(bytes);
+  while (const auto record = log.next())
+  {
+    if (record->channel == channels.model && !origin.recorded_model)
+      if (model_info_t model; decode(record->data, model))
+        origin.recorded_model = std::move(model);
     if (record->channel != channels.desired)
       continue;
-    if (decode(record->data, state))
+    if (is_desired_state(record->data))
     {
-      trajectory.states.push_back(std::move(state));
-      trajectory.places.push_back(static_cast<std::size_t>(record->number));
-      trajectory.heard.push_back(record->timestamp);
+      messages.push_back(record->data);
+      origin.places.push_back(static_cast<std::size_t>(record->number));
+      origin.heard.push_back(record->timestamp);
     }
     else
     {
-      ++trajectory.undecodable;
+      ++origin.undecodable;
     }
   }
-  trajectory.damaged_bytes = log.skipped();
-
-  if (trajectory.states.empty())
-  {
-    constexpr std::size_t most = 8;
-    std::vector<std::string> some(heard.begin(), std::next(heard.begin(), std::min(heard.size(), most)));
-    std::transform(some.begin(), some.end(), some.begin(), [](const std::string& text) { return printable(text); });
-    throw Failure(
-        ExitCode::bad_data,
-        fmt::format("{}: found no desired state on channel {} of this LCM log ({} undecodable there); it holds {}{}; "
-                    "--prefix names another channel",
-                    file, channels.desired, trajectory.undecodable, fmt::join(some, ", "),
-                    heard.size() > most ? ", ..." : ""));
-  }
-  return trajectory;
+  origin.damaged_bytes = log.skipped();
+  if (messages.empty())
+    fail_without_states(bytes, origin, channels);
+  return messages;
 }
 
 } // namespace
@@ -438,7 +442,7 @@ CoordinateNames coordinate_names(const model_info_t& model)
   return {model.absolute_names, model.relative_names, {model.base_names[0], model.base_names[1]}};
 }
 
-std::string Trajectory::place(std::size_t state) const
+std::string Origin::place(std::size_t state) const
 {
   return from_log ? fmt::format("{}: record {}", file, places[state]) : fmt::format("{}:{}", file, places[state]);
 }
@@ -446,23 +450,59 @@ std::string Trajectory::place(std::size_t state) const
 Trajectory parse_trajectory(std::string_view bytes, const std::string& file, const CoordinateNames& names,
                             bool differentiate, const Channels& channels)
 {
-  if (LogReader::is_log(bytes))
-    return read_log(bytes, file, channels);
-  return CsvTrajectory(bytes, file, names, differentiate).read();
+  if (!LogReader::is_log(bytes))
+    return CsvTrajectory(bytes, file, names, differentiate).read();
+  Trajectory trajectory;
+  trajectory.file = file;
+  for (const Bytes message : find_messages(bytes, channels, trajectory))
+    decode(message, trajectory.states.emplace_back());
+  return trajectory;
 }
 
-std::vector<std::string> notes(const Trajectory& trajectory, const std::string& robot, std::int64_t model_id)
+DesiredMessages parse_messages(std::string bytes, const std::string& file, const CoordinateNames& names,
+                               bool differentiate, const Channels& channels)
+{
+  if (!LogReader::is_log(bytes))
+    return encode_all(CsvTrajectory(bytes, file, names, differentiate).read());
+  DesiredMessages desired;
+  desired.file = file;
+  desired.bytes = std::make_shared<const std::string>(std::move(bytes));
+  desired.messages = find_messages(*desired.bytes, channels, desired);
+  return desired;
+}
+
+DesiredMessages encode_all(const Trajectory& trajectory)
+{
+  std::string bytes;
+  std::vector<std::byte> buffer;
+  for (const desired_state_t& state : trajectory.states)
+  {
+    const Bytes message = encode(state, buffer);
+    bytes.append(reinterpret_cast<const char*>(message.data()), message.size());
+  }
+  DesiredMessages desired{trajectory, {}, std::make_shared<const std::string>(std::move(bytes))};
+  Bytes rest = std::as_bytes(std::span(*desired.bytes));
+  for (const desired_state_t& state : trajectory.states)
+  {
+    const auto size = static_cast<std::size_t>(state.getEncodedSize());
+    desired.messages.push_back(rest.first(size));
+    rest = rest.subspan(size);
+  }
+  return desired;
+}
+
+std::vector<std::string> notes(const Origin& origin, const std::string& robot, std::int64_t model_id)
 {
   std::vector<std::string> lines;
-  if (trajectory.damaged_bytes > 0)
-    lines.push_back(fmt::format("{}: {} bytes belong to no whole record of the log; they were passed over",
-                                trajectory.file, trajectory.damaged_bytes));
-  if (trajectory.undecodable > 0)
+  if (origin.damaged_bytes > 0)
+    lines.push_back(fmt::format("{}: {} bytes belong to no whole record of the log; they were passed over", origin.file,
+                                origin.damaged_bytes));
+  if (origin.undecodable > 0)
     lines.push_back(fmt::format("{}: {} messages cannot be decoded as desired states; they were passed over",
-                                trajectory.file, trajectory.undecodable));
-  if (const auto& model = trajectory.recorded_model; model && model->model_id != model_id)
+                                origin.file, origin.undecodable));
+  if (const auto& model = origin.recorded_model; model && model->model_id != model_id)
     lines.push_back(fmt::format("{}: was recorded with robot {} (model_id {}), not with this {} (model_id {})",
-                                trajectory.file, printable(model->name), model->model_id, robot, model_id));
+                                origin.file, printable(model->name), model->model_id, robot, model_id));
   return lines;
 }
 

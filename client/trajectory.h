@@ -22,6 +22,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -39,11 +40,10 @@ struct CoordinateNames
 CoordinateNames coordinate_names(const Robot& robot);
 CoordinateNames coordinate_names(const model_info_t& model);
 
-/// A desired motion.
-struct Trajectory
+/// Where the states of a desired motion come from.
+struct Origin
 {
   std::string file;
-  std::vector<desired_state_t> states;
   std::vector<std::size_t> places; ///< of each state: its line in the CSV, from 1, or its record in the log, from 0
   bool from_log = false;
   std::vector<std::int64_t> heard; ///< of each state of a log: when the logger heard it, µs by its clock
@@ -54,6 +54,19 @@ struct Trajectory
 
   /// "walk.csv:17" or "walk.lcm: record 16".
   std::string place(std::size_t state) const;
+};
+
+/// A desired motion.
+struct Trajectory : Origin
+{
+  std::vector<desired_state_t> states;
+};
+
+/// A desired motion as the daemon would hear it: bytes. Those of a log are not decoded.
+struct DesiredMessages : Origin
+{
+  std::vector<Bytes> messages;              ///< one or more
+  std::shared_ptr<const std::string> bytes; ///< in which they lie
 };
 
 /// Reads a trajectory from a file's bytes. Whether they are a CSV or a log follows from them, not from the file's name,
@@ -67,8 +80,15 @@ struct Trajectory
 Trajectory parse_trajectory(std::string_view bytes, const std::string& file, const CoordinateNames& names,
                             bool differentiate, const Channels& channels);
 
+/// The same without decoding what was recorded. Throws what parse_trajectory() throws.
+DesiredMessages parse_messages(std::string bytes, const std::string& file, const CoordinateNames& names,
+                               bool differentiate, const Channels& channels);
+
+/// A trajectory's states as messages.
+DesiredMessages encode_all(const Trajectory& trajectory);
+
 /// What a user should know about a log before its desired states are used with a robot: damage, undecodable messages,
 /// and a log that was recorded with another robot. One line each.
-std::vector<std::string> notes(const Trajectory& trajectory, const std::string& robot, std::int64_t model_id);
+std::vector<std::string> notes(const Origin& origin, const std::string& robot, std::int64_t model_id);
 
 } // namespace torqued

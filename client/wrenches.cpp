@@ -84,28 +84,27 @@ ExitCode wrenches(const OfflineOptions& options)
   if (!options.out.ends_with(".csv") && options.out != "-")
     throw Failure(ExitCode::usage,
                   fmt::format("-o: found \"{}\"; expected a name that ends in .csv, or -", options.out));
-  const auto [config, robot, trajectory] = read_offline_input(options);
+  const auto [config, robot, desired] = read_offline_input(options);
   const std::vector<std::string> names = columns(robot);
   OutputFile out(options.out);
   out.write(csv_line(names));
   StreamMemory memory;
   Tally tally;
-  std::vector<std::byte> buffer;
   flush_denormals();
-  for (std::size_t i = 0; i < trajectory.states.size(); ++i)
+  for (std::size_t i = 0; i < desired.messages.size(); ++i)
   {
-    const Result<DesiredState> desired = decode_desired_state(encode(trajectory.states[i], buffer), robot);
-    const Refusal* refusal = std::get_if<Refusal>(&desired);
+    const Result<DesiredState> state = decode_desired_state(desired.messages[i], robot);
+    const Refusal* refusal = std::get_if<Refusal>(&state);
     const Result<Answer> answered =
-        refusal ? Result<Answer>(*refusal) : answer(robot, config.answers, std::get<DesiredState>(desired), memory);
+        refusal ? Result<Answer>(*refusal) : answer(robot, config.answers, std::get<DesiredState>(state), memory);
     refusal = std::get_if<Refusal>(&answered);
     if (refusal)
     {
       std::vector<std::string> row(names.size());
-      row.front() = fmt::format("{}", trajectory.states[i].utime);
+      row.front() = fmt::format("{}", read_sender(desired.messages[i]).utime);
       row.back() = name_of(refusal->reason());
       tally.reject(static_cast<std::int32_t>(refusal->reason()),
-                   fmt::format("{}: {}", trajectory.place(i), refusal->detail()));
+                   fmt::format("{}: {}", desired.place(i), refusal->detail()));
       out.write(csv_line(row));
     }
     else
@@ -113,13 +112,13 @@ ExitCode wrenches(const OfflineOptions& options)
       const Answer& found = std::get<Answer>(answered);
       tally.answer(found.flags);
       out.write(csv_line(
-          cells(robot, std::get<DesiredState>(answered_motion(robot, config.answers, std::get<DesiredState>(desired))),
+          cells(robot, std::get<DesiredState>(answered_motion(robot, config.answers, std::get<DesiredState>(state))),
                 found)));
     }
   }
   out.close();
   if (options.out != "-")
-    fmt::print("{}: {} of {} samples answered, {}\n{}{}", robot.name, tally.answered, trajectory.states.size(),
+    fmt::print("{}: {} of {} samples answered, {}\n{}{}", robot.name, tally.answered, desired.messages.size(),
                tally.rejections(), tally.flag_line(), tally.first_of_each());
   return ExitCode::done;
 }

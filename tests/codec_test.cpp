@@ -239,6 +239,8 @@ TEST_CASE("random bytes and random damage never get past the checks by more than
       bytes[8 + random() % (bytes.size() - 8)] = static_cast<std::byte>(random());
     if (random() % 4 == 0)
       bytes.resize(random() % 600);
+    desired_state_t message;
+    REQUIRE(is_desired_state(bytes) == decode(Bytes(bytes), message));
     const auto result = decode_desired_state(bytes, robot);
     if (const auto* desired = std::get_if<DesiredState>(&result))
     {

@@ -5,14 +5,18 @@
 #include "client/trajectory.h"
 #include "temporary_folder.h"
 
+#include <algorithm>
 #include <clocale>
 #include <cmath>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 #include <fstream>
+#include <lcm/lcm-cpp.hpp>
+#include <limits>
 #include <locale>
 #include <map>
 #include <set>
+#include <span>
 #include <sstream>
 
 using namespace torqued;
@@ -563,4 +567,106 @@ TEST_CASE("a damaged log gives every record that is whole", "[trajectory]")
               fmt::format("log: {} bytes belong to no whole record of the log; they were passed over", record));
       }
   }
+}
+
+TEST_CASE("what is answered are the bytes that were recorded, or those of a table's rows", "[trajectory]")
+{
+  const TemporaryFolder folder;
+  const std::vector<desired_state_t> states = walk({"20", "21", "22"});
+  std::vector<std::byte> buffer;
+  LogWriter log(folder.file("log"));
+  for (const desired_state_t& state : states)
+    log.write("TORQUED_DESIRED", 1, encode(state, buffer));
+  log.write("TORQUED_DESIRED", 1, encode(states[0], buffer).first(50));
+  log.close();
+  const std::string recorded = contents(folder.file("log")), rows = table({});
+
+  const auto check = [&](const DesiredMessages& desired, const Trajectory& trajectory)
+  {
+    REQUIRE(desired.messages.size() == trajectory.states.size());
+    for (std::size_t i = 0; i < desired.messages.size(); ++i)
+    {
+      const Bytes expected = encode(trajectory.states[i], buffer);
+      CHECK(std::equal(desired.messages[i].begin(), desired.messages[i].end(), expected.begin(), expected.end()));
+      CHECK(desired.place(i) == trajectory.place(i));
+    }
+    CHECK(desired.undecodable == trajectory.undecodable);
+  };
+  for (const std::string& bytes : {recorded, rows})
+  {
+    const Trajectory trajectory = parse_trajectory(bytes, "file", kNames, false, Channels());
+    check(parse_messages(bytes, "file", kNames, false, Channels()), trajectory);
+    check(encode_all(trajectory), trajectory);
+  }
+  CHECK_THROWS_AS(parse_messages(recorded, "file", kNames, false, Channels("right/")), Failure);
+}
+
+TEST_CASE("a log is liblcm's, byte by byte, and either reads the other's", "[trajectory]")
+{
+  const TemporaryFolder folder;
+  const std::string ours = folder.file("ours"), liblcms = folder.file("liblcms");
+  const auto channel = [](int i)
+  {
+    return "CHANNEL" + std::string(static_cast<std::size_t>(i % 60), 'x');
+  };
+  const auto data = [](int i)
+  {
+    return std::string(static_cast<std::size_t>(i % 7 == 0 ? 0 : 300 * (i % 11)), static_cast<char>(i));
+  };
+  const auto timestamp = [](int i)
+  {
+    return i % 2 == 0 ? std::int64_t{i} : std::numeric_limits<std::int64_t>::min() + i;
+  };
+  constexpr int records = 1000; // over 1 MB, which is more than any buffer
+  {
+    LogWriter writer(ours);
+    lcm::LogFile other(liblcms, "w");
+    for (int i = 0; i < records; ++i)
+    {
+      std::string bytes = data(i);
+      writer.write(channel(i), timestamp(i), std::as_bytes(std::span(bytes)));
+      lcm::LogEvent event{0, timestamp(i), channel(i), static_cast<std::int32_t>(bytes.size()), bytes.data()};
+      REQUIRE(other.writeEvent(&event) == 0);
+    }
+    writer.close();
+  }
+  const std::string bytes = contents(ours);
+  REQUIRE(bytes.size() > 1'000'000);
+  CHECK((bytes == contents(liblcms)));
+
+  lcm::LogFile other(ours, "r");
+  LogReader reader(bytes);
+  for (int i = 0; i < records; ++i)
+  {
+    const lcm::LogEvent* const event = other.readNextEvent();
+    const auto record = reader.next();
+    REQUIRE((event && record));
+    CHECK((event->eventnum == i && record->number == i));
+    CHECK((event->timestamp == timestamp(i) && record->timestamp == timestamp(i)));
+    CHECK((event->channel == channel(i) && record->channel == channel(i)));
+    const std::string heard(static_cast<const char*>(event->data), static_cast<std::size_t>(event->datalen));
+    CHECK(heard == data(i));
+    CHECK(std::equal(record->data.begin(), record->data.end(), std::as_bytes(std::span(heard)).begin(),
+                     std::as_bytes(std::span(heard)).end()));
+  }
+  CHECK_FALSE(other.readNextEvent());
+  CHECK_FALSE(reader.next());
+}
+
+TEST_CASE("a log on a full disk is said not to be written, whether by its last bytes or before", "[trajectory]")
+{
+  const std::string why = "/dev/full: cannot be written: No space left on device";
+  const std::string data(1000, 'x');
+  LogWriter few("/dev/full");
+  few.write("CHANNEL", 0, std::as_bytes(std::span(data)));
+  CHECK_THROWS_WITH(few.close(), why);
+
+  LogWriter many("/dev/full");
+  const auto write = [&]
+  {
+    for (int i = 0; i < 1000; ++i)
+      many.write("CHANNEL", 0, std::as_bytes(std::span(data)));
+  };
+  CHECK_THROWS_WITH(write(), why);
+  CHECK_THROWS_WITH(LogWriter("/nowhere/log"), "/nowhere/log: cannot be written: No such file or directory");
 }

@@ -6,6 +6,8 @@
 #include <algorithm>
 #include <bit>
 #include <cstdint>
+#include <cstring>
+#include <endian.h>
 #include <utility>
 
 namespace torqued
@@ -23,19 +25,10 @@ public:
     if (ok_)
       at_ += count;
   }
-  std::uint64_t unsigned_integer(std::size_t width)
-  {
-    const std::size_t start = at_;
-    skip(width);
-    std::uint64_t value = 0;
-    for (std::size_t i = 0; ok_ && i < width; ++i)
-      value = value << 8 | std::to_integer<std::uint64_t>(bytes_[start + i]);
-    return value;
-  }
-  std::int64_t int64() { return static_cast<std::int64_t>(unsigned_integer(8)); }
-  std::int32_t int32() { return static_cast<std::int32_t>(unsigned_integer(4)); }
-  int int8() { return static_cast<std::int8_t>(unsigned_integer(1)); }
-  double real() { return std::bit_cast<double>(unsigned_integer(8)); }
+  std::int64_t int64() { return static_cast<std::int64_t>(be64toh(next<std::uint64_t>())); }
+  std::int32_t int32() { return static_cast<std::int32_t>(be32toh(next<std::uint32_t>())); }
+  int int8() { return static_cast<std::int8_t>(next<std::uint8_t>()); }
+  double real() { return std::bit_cast<double>(int64()); }
   /// A count of array members; more than any message of ours has is as wrong as a negative one
   std::size_t count()
   {
@@ -48,7 +41,7 @@ public:
   void skip_text()
   {
     const std::size_t start = at_;
-    const std::uint64_t length = unsigned_integer(4);
+    const auto length = static_cast<std::uint32_t>(int32());
     ok_ = ok_ && length >= 1 && length <= bytes_.size() - at_;
     if (ok_)
     {
@@ -67,6 +60,17 @@ public:
   bool at_end() const { return ok_ && at_ == bytes_.size(); }
 
 private:
+  // the next bytes as they are; 0 if the message ends before
+  template <typename Unsigned> Unsigned next()
+  {
+    const std::size_t start = at_;
+    skip(sizeof(Unsigned));
+    Unsigned value = 0;
+    if (ok_)
+      std::memcpy(&value, bytes_.data() + start, sizeof(Unsigned));
+    return value;
+  }
+
   Bytes bytes_;
   std::size_t at_ = 0;
   bool ok_ = true;

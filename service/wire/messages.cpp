@@ -7,12 +7,27 @@
 namespace torqued
 {
 
-bool decode(Bytes bytes, desired_state_t& message)
+namespace
+{
+
+Cursor walk_desired_state(Bytes bytes)
 {
   Cursor cursor = after_fingerprint<desired_state_t>(bytes);
   cursor.skip(3 * 8 + 6 + 8 * 8);
   cursor.skip(3 * 8 * cursor.count());
-  return decode_checked(bytes, cursor, message);
+  return cursor;
+}
+
+} // namespace
+
+bool is_desired_state(Bytes bytes)
+{
+  return walk_desired_state(bytes).at_end();
+}
+
+bool decode(Bytes bytes, desired_state_t& message)
+{
+  return decode_checked(bytes, walk_desired_state(bytes), message);
 }
 
 bool decode(Bytes bytes, torque_command_t& message)

@@ -54,6 +54,9 @@ bool decode(Bytes bytes, status_t& message);
 bool decode(Bytes bytes, model_info_t& message);
 bool decode(Bytes bytes, dynamics_t& message);
 
+/// Whether decode() makes a desired_state_t of these bytes. Does not allocate.
+bool is_desired_state(Bytes bytes);
+
 /// A message as LCM hands it over. Of a packet that ends within its channel's name LCM 1.3.1 makes a message of nearly
 /// 2³² bytes; no message is that long, and there is nothing to be read: no bytes.
 inline Bytes received_bytes(const void* data, std::uint32_t size)

@@ -9,6 +9,7 @@
 #include "client/trajectory.h"
 
 #include <fmt/format.h>
+#include <lcm/lcm-cpp.hpp>
 
 namespace torqued::bench
 {
