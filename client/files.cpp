@@ -5,28 +5,32 @@
 #include <cerrno>
 #include <filesystem>
 #include <fmt/format.h>
+#include <sys/mman.h>
+#include <sys/stat.h>
 #include <system_error>
 #include <utility>
 
 namespace torqued
 {
 
-std::string read_file(const std::string& path)
+InputFile::InputFile(const std::string& path)
 {
   std::FILE* file = std::fopen(path.c_str(), "rb");
   bool good = file != nullptr;
-  std::string bytes;
-  constexpr std::size_t step = 1 << 18;
-  // a pipe has no size, and a log that is being recorded grows; for others this spares the copies of a growing text
-  std::error_code no_size;
-  if (const std::uintmax_t size = std::filesystem::file_size(path, no_size); good && !no_size)
-    bytes.reserve(size + step);
-  while (good)
+  struct stat status = {};
+  if (good && fstat(fileno(file), &status) == 0 && S_ISREG(status.st_mode) && status.st_size > 0)
   {
-    const std::size_t size = bytes.size();
-    bytes.resize(size + step);
-    const std::size_t count = std::fread(bytes.data() + size, 1, step, file);
-    bytes.resize(size + count);
+    const auto size = static_cast<std::size_t>(status.st_size);
+    if (void* at = mmap(nullptr, size, PROT_READ, MAP_PRIVATE, fileno(file), 0); at != MAP_FAILED)
+      mapped_ = {static_cast<const char*>(at), size};
+  }
+  while (good && mapped_.empty())
+  {
+    constexpr std::size_t step = 1 << 20;
+    const std::size_t size = read_.size();
+    read_.resize(size + step);
+    const std::size_t count = std::fread(read_.data() + size, 1, step, file);
+    read_.resize(size + count);
     good = !std::ferror(file);
     if (count < step)
       break;
@@ -37,7 +41,17 @@ std::string read_file(const std::string& path)
   if (!good)
     throw Failure(ExitCode::bad_data,
                   fmt::format("{}: cannot be read: {}", path, std::generic_category().message(error)));
-  return bytes;
+}
+
+InputFile::~InputFile()
+{
+  if (!mapped_.empty())
+    munmap(const_cast<char*>(mapped_.data()), mapped_.size());
+}
+
+std::string read_file(const std::string& path)
+{
+  return std::string(InputFile(path).bytes());
 }
 
 OutputFile::OutputFile(const std::string& path)

@@ -8,7 +8,26 @@
 namespace torqued
 {
 
-/// A file's bytes. Throws Failure, bad_data, if it cannot be read.
+/// A file's bytes, mapped where that is possible; what has no size, such as a pipe, is read. A file that is mapped may
+/// grow, but whoever shortens it ends this process.
+class InputFile
+{
+public:
+  /// Throws Failure, bad_data, if it cannot be read.
+  explicit InputFile(const std::string& path);
+  ~InputFile();
+  InputFile(const InputFile&) = delete;
+  InputFile& operator=(const InputFile&) = delete;
+
+  /// They live as long as this.
+  std::string_view bytes() const { return mapped_.empty() ? read_ : mapped_; }
+
+private:
+  std::string_view mapped_;
+  std::string read_;
+};
+
+/// A copy of a file's bytes. Throws as InputFile does.
 std::string read_file(const std::string& path);
 
 /// A file that is written from its beginning; "-" is the standard output. Throws Failure, failed, with the file's name

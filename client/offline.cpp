@@ -40,8 +40,8 @@ OfflineInput read_offline_input(const OfflineOptions& options)
   set_flag("--prefix", set_prefix, config, options.prefix);
   Robot robot = load_robot(config.robot);
   check_fits(config, robot);
-  DesiredMessages desired = parse_messages(read_file(options.file), options.file, coordinate_names(robot),
-                                           options.differentiate, Channels(config.prefix));
+  DesiredMessages desired =
+      read_messages(options.file, coordinate_names(robot), options.differentiate, Channels(config.prefix));
   for (const std::string& line : notes(desired, robot.name, robot.model_id))
     note(line);
   return {std::move(config), std::move(robot), std::move(desired)};

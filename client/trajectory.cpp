@@ -2,6 +2,7 @@
 
 #include "client/csv_lines.h"
 #include "client/failure.h"
+#include "client/files.h"
 #include "client/lcm_log.h"
 #include "client/spline.h"
 #include "client/support_course.h"
@@ -16,7 +17,6 @@
 #include <iterator>
 #include <map>
 #include <set>
-#include <span>
 #include <string_view>
 #include <system_error>
 #include <utility>
@@ -459,35 +459,25 @@ Trajectory parse_trajectory(std::string_view bytes, const std::string& file, con
   return trajectory;
 }
 
-DesiredMessages parse_messages(std::string bytes, const std::string& file, const CoordinateNames& names,
-                               bool differentiate, const Channels& channels)
+DesiredMessages read_messages(const std::string& file, const CoordinateNames& names, bool differentiate,
+                              const Channels& channels)
 {
-  if (!LogReader::is_log(bytes))
-    return encode_all(CsvTrajectory(bytes, file, names, differentiate).read());
+  const auto input = std::make_shared<const InputFile>(file);
+  if (!LogReader::is_log(input->bytes()))
+    return encode_all(CsvTrajectory(input->bytes(), file, names, differentiate).read());
   DesiredMessages desired;
   desired.file = file;
-  desired.bytes = std::make_shared<const std::string>(std::move(bytes));
-  desired.messages = find_messages(*desired.bytes, channels, desired);
+  desired.messages = find_messages(input->bytes(), channels, desired);
+  desired.owner = input;
   return desired;
 }
 
 DesiredMessages encode_all(const Trajectory& trajectory)
 {
-  std::string bytes;
-  std::vector<std::byte> buffer;
-  for (const desired_state_t& state : trajectory.states)
-  {
-    const Bytes message = encode(state, buffer);
-    bytes.append(reinterpret_cast<const char*>(message.data()), message.size());
-  }
-  DesiredMessages desired{trajectory, {}, std::make_shared<const std::string>(std::move(bytes))};
-  Bytes rest = std::as_bytes(std::span(*desired.bytes));
-  for (const desired_state_t& state : trajectory.states)
-  {
-    const auto size = static_cast<std::size_t>(state.getEncodedSize());
-    desired.messages.push_back(rest.first(size));
-    rest = rest.subspan(size);
-  }
+  const auto buffers = std::make_shared<std::vector<std::vector<std::byte>>>(trajectory.states.size());
+  DesiredMessages desired{trajectory, {}, buffers};
+  for (std::size_t i = 0; i < trajectory.states.size(); ++i)
+    desired.messages.push_back(encode(trajectory.states[i], (*buffers)[i]));
   return desired;
 }
 

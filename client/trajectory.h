@@ -65,8 +65,8 @@ struct Trajectory : Origin
 /// A desired motion as the daemon would hear it: bytes. Those of a log are not decoded.
 struct DesiredMessages : Origin
 {
-  std::vector<Bytes> messages;              ///< one or more
-  std::shared_ptr<const std::string> bytes; ///< in which they lie
+  std::vector<Bytes> messages;       ///< one or more
+  std::shared_ptr<const void> owner; ///< of their bytes
 };
 
 /// Reads a trajectory from a file's bytes. Whether they are a CSV or a log follows from them, not from the file's name,
@@ -80,9 +80,9 @@ struct DesiredMessages : Origin
 Trajectory parse_trajectory(std::string_view bytes, const std::string& file, const CoordinateNames& names,
                             bool differentiate, const Channels& channels);
 
-/// The same without decoding what was recorded. Throws what parse_trajectory() throws.
-DesiredMessages parse_messages(std::string bytes, const std::string& file, const CoordinateNames& names,
-                               bool differentiate, const Channels& channels);
+/// The same of a file, and without decoding what was recorded. Throws what InputFile and parse_trajectory() throw.
+DesiredMessages read_messages(const std::string& file, const CoordinateNames& names, bool differentiate,
+                              const Channels& channels);
 
 /// A trajectory's states as messages.
 DesiredMessages encode_all(const Trajectory& trajectory);

@@ -1,11 +1,13 @@
 #include "catch.h"
 
 #include "client/failure.h"
+#include "client/files.h"
 #include "client/lcm_log.h"
 #include "client/trajectory.h"
 #include "temporary_folder.h"
 
 #include <algorithm>
+#include <array>
 #include <clocale>
 #include <cmath>
 #include <fmt/format.h>
@@ -18,6 +20,7 @@
 #include <set>
 #include <span>
 #include <sstream>
+#include <unistd.h>
 
 using namespace torqued;
 
@@ -579,7 +582,6 @@ TEST_CASE("what is answered are the bytes that were recorded, or those of a tabl
     log.write("TORQUED_DESIRED", 1, encode(state, buffer));
   log.write("TORQUED_DESIRED", 1, encode(states[0], buffer).first(50));
   log.close();
-  const std::string recorded = contents(folder.file("log")), rows = table({});
 
   const auto check = [&](const DesiredMessages& desired, const Trajectory& trajectory)
   {
@@ -592,13 +594,31 @@ TEST_CASE("what is answered are the bytes that were recorded, or those of a tabl
     }
     CHECK(desired.undecodable == trajectory.undecodable);
   };
-  for (const std::string& bytes : {recorded, rows})
+  for (const std::string& file : {folder.file("log"), folder.write("rows", table({}))})
   {
-    const Trajectory trajectory = parse_trajectory(bytes, "file", kNames, false, Channels());
-    check(parse_messages(bytes, "file", kNames, false, Channels()), trajectory);
+    const Trajectory trajectory = parse_trajectory(contents(file), file, kNames, false, Channels());
+    check(read_messages(file, kNames, false, Channels()), trajectory);
     check(encode_all(trajectory), trajectory);
   }
-  CHECK_THROWS_AS(parse_messages(recorded, "file", kNames, false, Channels("right/")), Failure);
+  CHECK_THROWS_AS(read_messages(folder.file("log"), kNames, false, Channels("right/")), Failure);
+}
+
+TEST_CASE("a file is read to its end, with or without a size", "[trajectory]")
+{
+  const TemporaryFolder folder;
+  const std::string text(3'000'000, 'x');
+  CHECK((read_file(folder.write("large", text)) == text));
+  CHECK(read_file(folder.write("empty", "")).empty());
+  CHECK(read_file("/proc/self/comm").ends_with("\n"));
+  std::array<int, 2> ends{};
+  REQUIRE(pipe(ends.data()) == 0);
+  REQUIRE(write(ends[1], "a,b\n", 4) == 4);
+  close(ends[1]);
+  CHECK(read_file(fmt::format("/dev/fd/{}", ends[0])) == "a,b\n");
+  close(ends[0]);
+  CHECK_THROWS_WITH(read_file(folder.file("none")),
+                    folder.file("none") + ": cannot be read: No such file or directory");
+  CHECK_THROWS_WITH(read_file("/proc"), "/proc: cannot be read: Is a directory");
 }
 
 TEST_CASE("a log is liblcm's, byte by byte, and either reads the other's", "[trajectory]")
