@@ -24,6 +24,7 @@ public:
   virtual int remember(const VectorQ& q, const VectorQ& v, const VectorQ& a) = 0;
 
   /// Sets the remembered motion and computes its inverse dynamics, as a user of the engine would in a loop.
+  /// Of a motion that is already set, DART computes nothing but the forces again: let motions differ from call to call.
   virtual void compute(int motion) = 0;
 
   /// M a + C v + g of the motion computed last, in our coordinates: length mechanism.num_q().
