@@ -565,8 +565,11 @@ GaitReport Gait::survey() const
       const auto equations = std::get<SupportEquations>(support_equations(robot_, state));
       const double x = zero_moment_point(robot_, equations);
       const Side carrying = side_of(phase.step);
-      const FootPose& foot = equations.foot(carrying);
-      const FootPose& next = equations.foot(other(carrying));
+      std::array<FootPose, 2> feet;
+      for (const Side side : kSides)
+        feet[static_cast<std::size_t>(side)] = foot_pose(robot_, equations.now, robot_.foot(side));
+      const FootPose& foot = feet[static_cast<std::size_t>(carrying)];
+      const FootPose& next = feet[static_cast<std::size_t>(other(carrying))];
       report.zmp_error = std::max(report.zmp_error, std::abs(x - wished_zmp(t, phase)));
       if (phase.kind == GaitPhaseKind::ssp)
         report.zmp_margin = std::min({report.zmp_margin, x - foot.heel.x(), foot.toe.x() - x});
@@ -578,7 +581,7 @@ GaitReport Gait::survey() const
       for (const Leg& leg : legs_)
         report.knee_flexion = std::min(report.knee_flexion, state.q(robot_.link(leg.thigh).coordinate) -
                                                                 state.q(robot_.link(leg.shin).coordinate));
-      for (const FootPose& pose : equations.feet)
+      for (const FootPose& pose : feet)
         if (const double height = std::min(pose.heel.y(), pose.toe.y()); height < lowest)
         {
           lowest = height;

@@ -27,16 +27,18 @@ Answer to_answer(const torque_command_t& command)
   {
     return GroundReaction{{r.fx, r.fz, r.moment}, r.cop, r.friction_ratio};
   };
-  return {.utime = command.utime,
-          .stream_id = command.stream_id,
-          .method = static_cast<Method>(command.method),
-          .flags = command.flags,
-          .ground = {reaction(command.left), reaction(command.right)},
-          .zmp = command.zmp,
-          .dynamics_residual = command.dynamics_residual,
-          .contact_speed = command.contact_speed,
-          .contact_residual = command.contact_residual,
-          .torque = Eigen::Map<const Eigen::VectorXd>(command.torque.data(), command.num_joints)};
+  Answer answer;
+  answer.utime = command.utime;
+  answer.stream_id = command.stream_id;
+  answer.method = static_cast<Method>(command.method);
+  answer.flags = command.flags;
+  answer.ground = {reaction(command.left), reaction(command.right)};
+  answer.zmp = command.zmp;
+  answer.dynamics_residual = command.dynamics_residual;
+  answer.contact_speed = command.contact_speed;
+  answer.contact_residual = command.contact_residual;
+  answer.torque = Eigen::Map<const Eigen::VectorXd>(command.torque.data(), command.num_joints);
+  return answer;
 }
 
 RecordedAnswers::RecordedAnswers(std::string_view log, const Channels& channels)

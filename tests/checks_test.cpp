@@ -106,7 +106,7 @@ TEST_CASE("the zero-moment point is where the total force crosses the ground", "
 {
   const Robot robot = load_robot("ck");
   SupportEquations equations;
-  equations.motion.now.base = {0.3, 0.8};
+  equations.now.base = {0.3, 0.8};
   const Eigen::Vector2d F(60.0, 500.0);
   const double x = 0.42;
   equations.d << F, cross(Eigen::Vector2d(x, 0.0) - equations.base(), F);

@@ -76,6 +76,11 @@ struct Case
 
   AdmissibleReactions all() const { return admissible_reactions(robot, equations, support()); }
 
+  ReactionTorques torques(const AdmissibleReactions& all) const
+  {
+    return reaction_torques(robot, equations, support(), all);
+  }
+
   Result<TorqueSolution> solve(Method method, const MethodSettings& settings = {}) const
   {
     return solve_torques(robot, equations, support(), method, settings, 1e-3);

@@ -143,7 +143,7 @@ TEST_CASE("where contacts change a walk is continuous up to accelerations, and t
           continue;
         const Foot& foot = robot.foot(side);
         Jacobian J(4, robot.mechanism.num_q());
-        const Kinematics& now = equations.motion.now;
+        const Kinematics& now = equations.now;
         point_jacobian(robot.mechanism, now, foot.heel, 0, J);
         point_jacobian(robot.mechanism, now, foot.toe, 2, J);
         CHECK((J * after.v).cwiseAbs().maxCoeff() < 1e-11);
@@ -174,7 +174,7 @@ TEST_CASE("a walk keeps its contacts and stays above the ground", "[gait]")
         CHECK(equations.sole_tilt < 1e-15);
         for (const Side side : kSides)
         {
-          const FootPose& pose = equations.foot(side);
+          const FootPose pose = foot_pose(robot, equations.now, robot.foot(side));
           CHECK(std::min(pose.heel.y(), pose.toe.y()) > -1e-9);
           // what carries is on the ground, and nowhere else but at its foothold
           if (state.support.of(side) != Contact::none)

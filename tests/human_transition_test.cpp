@@ -213,6 +213,6 @@ TEST_CASE("where a human transition's lever is nothing it says so, and a robot o
   CHECK(solve(ends).w.allFinite());
   // the base point, and with it the centre of mass, below the feet
   now.equations = good;
-  now.equations.motion.now.base.y() -= 5.0;
+  now.equations.now.base.y() -= 5.0;
   CHECK(solve({}).w(now.support().row(other(now.support().leading))) == 0.0);
 }

@@ -412,6 +412,7 @@ TEST_CASE("a rotor's inertia adds B diag(I) Bᵀ to the mass matrix", "[laws]")
   for (Robot robot : robots())
   {
     CAPTURE(robot.name);
+    robot.joint_friction = true;
     const int joints = robot.num_joints();
     Eigen::VectorXd I(joints);
     for (int j = 0; j < joints; ++j)
@@ -491,6 +492,7 @@ TEST_CASE("a robot's friction acts on the angles that its motors turn", "[laws]"
     CAPTURE(i);
     const oracle::Biped biped = oracle::random_rk(random, static_cast<Placement>(i % 3));
     Robot robot = biped.robot();
+    robot.joint_friction = true;
     for (Actuator& actuator : robot.actuators)
     {
       actuator.coulomb = oracle::uniform(random, 0.0, 5.0);

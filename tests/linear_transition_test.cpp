@@ -36,7 +36,7 @@ Solved solve(const Robot& robot, DesiredState desired, const MethodSettings& set
 SupportEquations two_soles(oracle::Random& random, const Robot& robot, double F_z)
 {
   SupportEquations equations;
-  equations.motion.now.base = {oracle::uniform(random, -0.3, 0.3), 0.8};
+  equations.now.base = {oracle::uniform(random, -0.3, 0.3), 0.8};
   for (const Side side : kSides)
   {
     const Foot& foot = robot.foot(side);

@@ -294,7 +294,7 @@ TEST_CASE("without a base point the feet keep their distance", "[projection]")
       const Contact contact = state.support.of(side);
       const FootPose& foot = equations.foot(side);
       CHECK(std::abs(foot.point(contact).y() - (contact == Contact::sole ? biped.h_p : 0.0)) < kOnContact);
-      apart += (side == Side::left ? 1.0 : -1.0) * foothold(ck, equations.motion.now, side, contact);
+      apart += (side == Side::left ? 1.0 : -1.0) * foothold(ck, equations.now, side, contact);
     }
     CHECK_FALSE(std::abs(apart - distance) >= kOnContact);
     distance = apart;

@@ -84,6 +84,7 @@ inline std::vector<Robot> all_kinds_of_robots()
 /// Gives every motor a rotor and all kinds of friction.
 inline void make_motors_real(Robot& robot, oracle::Random& random)
 {
+  robot.joint_friction = true;
   for (Actuator& actuator : robot.actuators)
   {
     actuator.rotor_inertia = oracle::uniform(random, 0.1, 1.0);

@@ -48,6 +48,17 @@ std::optional<Refusal> apply_limits(const Robot& robot, const AnswerSettings& se
   if (follows && __builtin_sub_overflow(desired.utime, memory.utime, &elapsed))
     elapsed = std::numeric_limits<std::int64_t>::max();
   const double dt = 1e-6 * static_cast<double>(elapsed);
+  bool in_limits = true;
+  for (int j = 0; j < robot.num_joints(); ++j)
+  {
+    const Actuator& actuator = robot.actuators[static_cast<std::size_t>(j)];
+    in_limits &= std::abs(torque(j)) <= actuator.torque_limit;
+    if (follows)
+      in_limits &= std::abs(torque(j) - memory.torque(j)) <= actuator.rate_limit * dt;
+  }
+  if (in_limits)
+    return {};
+
   for (int j = 0; j < robot.num_joints(); ++j)
   {
     const Actuator& actuator = robot.actuators[static_cast<std::size_t>(j)];
@@ -92,12 +103,70 @@ void add_weights(Fnv1a& hash, const JointWeights& weights)
 
 bool all_finite(const Answer& answer)
 {
-  bool finite = is_finite(answer.zmp) && is_finite(answer.dynamics_residual) && is_finite(answer.contact_speed) &&
-                is_finite(answer.contact_residual);
+  // a number that is not finite makes the sum so
+  double sum =
+      0.0 * answer.zmp + 0.0 * answer.dynamics_residual + 0.0 * answer.contact_speed + 0.0 * answer.contact_residual;
   for (const GroundReaction& foot : answer.ground)
-    finite = finite && is_finite(foot.wrench.fx) && is_finite(foot.wrench.fz) && is_finite(foot.wrench.moment) &&
-             is_finite(foot.cop) && is_finite(foot.friction_ratio);
-  return finite && std::all_of(answer.torque.begin(), answer.torque.end(), is_finite);
+    sum += 0.0 * foot.wrench.fx + 0.0 * foot.wrench.fz + 0.0 * foot.wrench.moment + 0.0 * foot.cop +
+           0.0 * foot.friction_ratio;
+  for (const double torque : answer.torque)
+    sum += 0.0 * torque;
+  return is_finite(sum);
+}
+
+// before: how far the motion was from its contacts before it was projected; empty if it was not
+Result<Answer> answer_motion(const Robot& robot, const AnswerSettings& settings, const DesiredState& desired,
+                             const std::optional<ContactErrors>& before, StreamMemory& memory)
+{
+  const Result<SupportEquations> built = support_equations(robot, desired);
+  if (const Refusal* refusal = std::get_if<Refusal>(&built))
+    return *refusal;
+  const SupportEquations& equations = std::get<SupportEquations>(built);
+  const ContactErrors errors = before ? *before
+                                      : ContactErrors{.tilt = equations.sole_tilt,
+                                                      .speed = equations.contact_speed,
+                                                      .acceleration = equations.contact_residual};
+  std::int32_t flags = 0;
+  if (before && std::max({before->position, before->tilt, before->speed, before->acceleration}) > kProjected)
+    flags |= flag::projected;
+  if (const auto refusal = check_consistency(settings, errors, flags))
+    return *refusal;
+
+  const Result<TorqueSolution> solved =
+      solve_torques(robot, equations, desired.support, desired.method, settings.methods, settings.residual_tolerance);
+  if (const Refusal* refusal = std::get_if<Refusal>(&solved))
+    return *refusal;
+  const TorqueSolution& solution = std::get<TorqueSolution>(solved);
+
+  Result<Answer> result(std::in_place_type<Answer>);
+  Answer& answer = std::get<Answer>(result);
+  answer.utime = desired.utime;
+  answer.stream_id = desired.stream_id;
+  answer.method = solution.method;
+  for (std::size_t side = 0; side < 2; ++side)
+  {
+    answer.ground[side] = ground_reaction(robot, robot.feet[side], equations.feet[side], solution.ground[side]);
+    flags |= contact_flags(robot, robot.feet[side], equations.feet[side], desired.support.contact[side],
+                           solution.ground[side]);
+  }
+  flags |= solution.clamped ? flag::clamped : 0;
+  flags |= solution.relaxed ? flag::relaxed : 0;
+  answer.zmp = zero_moment_point(robot, equations);
+  answer.contact_speed = errors.speed;
+  answer.contact_residual = errors.acceleration;
+  answer.torque = solution.torque;
+  if (const auto refusal = apply_limits(robot, settings, desired, memory, answer.torque, flags))
+    return *refusal;
+  answer.dynamics_residual = dynamics_residual(robot, solution.rest, answer.torque);
+  answer.flags = flags;
+  if (!all_finite(answer))
+    return Refusal(Reason::numerical, "a result is not finite; the motion's numbers are too large");
+
+  memory.answered = true;
+  memory.stream_id = desired.stream_id;
+  memory.utime = desired.utime;
+  memory.torque = answer.torque;
+  return result;
 }
 
 } // namespace
@@ -146,63 +215,13 @@ Result<DesiredState> answered_motion(const Robot& robot, const AnswerSettings& s
 Result<Answer> answer(const Robot& robot, const AnswerSettings& settings, const DesiredState& desired,
                       StreamMemory& memory)
 {
-  std::int32_t flags = 0;
-  std::optional<Projection> projection;
-  if (settings.project)
-  {
-    const Result<Projection> projected = project(robot, desired);
-    if (const Refusal* refusal = std::get_if<Refusal>(&projected))
-      return *refusal;
-    projection = std::get<Projection>(projected);
-    const ContactErrors& before = projection->before;
-    if (std::max({before.position, before.tilt, before.speed, before.acceleration}) > kProjected)
-      flags |= flag::projected;
-  }
-  const Result<SupportEquations> built = support_equations(robot, projection ? projection->state : desired);
-  if (const Refusal* refusal = std::get_if<Refusal>(&built))
+  if (!settings.project)
+    return answer_motion(robot, settings, desired, {}, memory);
+  const Result<Projection> projected = project(robot, desired);
+  if (const Refusal* refusal = std::get_if<Refusal>(&projected))
     return *refusal;
-  const SupportEquations& equations = std::get<SupportEquations>(built);
-  const ContactErrors errors = projection ? projection->before
-                                          : ContactErrors{.tilt = equations.sole_tilt,
-                                                          .speed = equations.contact_speed,
-                                                          .acceleration = equations.contact_residual};
-  if (const auto refusal = check_consistency(settings, errors, flags))
-    return *refusal;
-
-  const Result<TorqueSolution> solved =
-      solve_torques(robot, equations, desired.support, desired.method, settings.methods, settings.residual_tolerance);
-  if (const Refusal* refusal = std::get_if<Refusal>(&solved))
-    return *refusal;
-  const TorqueSolution& solution = std::get<TorqueSolution>(solved);
-
-  Answer answer;
-  answer.utime = desired.utime;
-  answer.stream_id = desired.stream_id;
-  answer.method = solution.method;
-  for (std::size_t side = 0; side < 2; ++side)
-  {
-    answer.ground[side] = ground_reaction(robot, robot.feet[side], equations.feet[side], solution.ground[side]);
-    flags |= contact_flags(robot, robot.feet[side], equations.feet[side], desired.support.contact[side],
-                           solution.ground[side]);
-  }
-  flags |= solution.clamped ? flag::clamped : 0;
-  flags |= solution.relaxed ? flag::relaxed : 0;
-  answer.zmp = zero_moment_point(robot, equations);
-  answer.contact_speed = errors.speed;
-  answer.contact_residual = errors.acceleration;
-  answer.torque = solution.torque;
-  if (const auto refusal = apply_limits(robot, settings, desired, memory, answer.torque, flags))
-    return *refusal;
-  answer.dynamics_residual = dynamics_residual(robot, equations, solution.w, answer.torque);
-  answer.flags = flags;
-  if (!all_finite(answer))
-    return Refusal(Reason::numerical, "a result is not finite; the motion's numbers are too large");
-
-  memory.answered = true;
-  memory.stream_id = desired.stream_id;
-  memory.utime = desired.utime;
-  memory.torque = answer.torque;
-  return answer;
+  const Projection& projection = std::get<Projection>(projected);
+  return answer_motion(robot, settings, projection.state, projection.before, memory);
 }
 
 void flush_denormals()

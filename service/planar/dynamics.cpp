@@ -3,50 +3,49 @@
 namespace torqued
 {
 
-namespace
-{
-
-// conj(a) b of two plane vectors read as complex numbers
-Eigen::Vector2d conjugate_product(const Eigen::Vector2d& a, const Eigen::Vector2d& b)
-{
-  return {a.dot(b), cross(a, b)};
-}
-
-} // namespace
-
-VectorQ inverse_dynamics(const Mechanism& mechanism, const Kinematics& now, const VectorQ& a)
+VectorQ inverse_dynamics(const Mechanism& mechanism, const Kinematics& now, const VectorD& turn,
+                         const Eigen::Vector2d& base)
 {
   const int size = mechanism.num_theta();
   const int directions = mechanism.num_directions();
-  const auto& S = mechanism.moments();
+  const PlaneVectors& S = mechanism.moments();
 
   // acceleration of the base point, gravity included
-  const Eigen::Vector2d a_base = a.tail<2>() + Eigen::Vector2d(0.0, mechanism.gravity());
+  const Eigen::Vector2d a_base = base + Eigen::Vector2d(0.0, mechanism.gravity());
 
-  // acceleration of a unit arm of every direction
-  const VectorD turn = mechanism.W() * a.head(size);
-  PlaneVectors arm(2, directions);
-  for (int k = 0; k < directions; ++k)
-    arm.col(k) = turn(k) * perp(now.e.col(k)) - now.rate(k) * now.rate(k) * now.e.col(k);
-
-  // what each direction feels of the base point and of every other direction
-  PlaneVectors felt(2, directions);
-  for (int k = 0; k < directions; ++k)
-    felt.col(k) = conjugate_product(S.col(k), a_base);
-  for (const Mechanism::Pair& pair : mechanism.pairs())
-  {
-    felt.col(pair.j) += rotate(pair.P, arm.col(pair.k));
-    felt.col(pair.k) += conjugate_product(pair.P, arm.col(pair.j));
-  }
-  VectorD moment(directions);
-  for (int k = 0; k < directions; ++k)
-    moment(k) = perp(now.e.col(k)).dot(felt.col(k));
-
-  VectorQ r(mechanism.num_q());
-  r.head(size) = mechanism.W().transpose() * moment + mechanism.inertia() * a.head(size);
+  // ẍ of every direction and i ẍ; what it feels of the base point, and in the end of every other direction
+  PlaneVectors arm(2, directions), turned(2, directions), felt(2, directions);
+  const Eigen::Vector2d turned_base = perp(a_base);
   Eigen::Vector2d force = mechanism.mass() * a_base;
   for (int k = 0; k < directions; ++k)
-    force += rotate(S.col(k), arm.col(k));
+  {
+    const Eigen::Vector2d e = now.e.col(k), i_e = perp(e);
+    const double squared = now.rate(k) * now.rate(k);
+    const Eigen::Vector2d x = turn(k) * i_e - squared * e;
+    const Eigen::Vector2d i_x = perp(x);
+    const Eigen::Vector2d S_k = S.col(k);
+    arm.col(k) = x;
+    turned.col(k) = i_x;
+    felt.col(k) = S_k.x() * a_base - S_k.y() * turned_base;
+    force += S_k.x() * x + S_k.y() * i_x;
+  }
+  for (const auto& [j, k, P] : mechanism.pairs())
+  {
+    felt.col(j) += P.x() * arm.col(k) + P.y() * turned.col(k);
+    felt.col(k) += P.x() * arm.col(j) - P.y() * turned.col(j);
+  }
+  const auto moment = [&](int k)
+  {
+    return cross(now.e.col(k), felt.col(k)) + mechanism.inertias()(k) * turn(k);
+  };
+
+  VectorQ r(size + 2);
+  for (int k = 0; k < size; ++k)
+    r(k) = moment(k);
+  for (const auto& [bar, column, share] : mechanism.shares_of_bars())
+    r(column) += share * moment(bar);
+  for (const auto& [row, column, mass] : mechanism.sliding())
+    r(row) += mass * turn(column);
   r.tail<2>() = force;
   return r;
 }

@@ -25,12 +25,18 @@ namespace torqued
 /// With ẍₖ = (i φ̈ₖ − φ̇ₖ²) eₖ the acceleration of a unit arm:
 ///
 ///   r_base = m (a_base + i g) + Σ S_k ẍ_k
-///   r_j    = Re[ conj(i e_j) ( conj(S_j) (a_base + i g) + Σ_{k≠j} P_jk ẍ_k ) ]
-///   r_θ    = Wᵀ (r_j) + inertia · θ̈
+///   r_j    = Re[ conj(i e_j) ( conj(S_j) (a_base + i g) + Σ_{k≠j} P_jk ẍ_k ) ] + I_j φ̈_j
+///   r_θ    = Wᵀ (r_j) + sliding · θ̈
 ///
 /// which is Newton's law for each body, projected on what each direction moves; no matrix is formed.
-/// Requires: a of length num_q(), `now` of the same state.
-VectorQ inverse_dynamics(const Mechanism& mechanism, const Kinematics& now, const VectorQ& a);
+/// turn: φ̈ = W θ̈ of every direction, rad/s²; base: acceleration of the base point, m/s².
+VectorQ inverse_dynamics(const Mechanism& mechanism, const Kinematics& now, const VectorD& turn,
+                         const Eigen::Vector2d& base);
+/// The same. Requires: a of length num_q().
+inline VectorQ inverse_dynamics(const Mechanism& mechanism, const Kinematics& now, const VectorQ& a)
+{
+  return inverse_dynamics(mechanism, now, mechanism.of_directions(a), a.tail<2>());
+}
 
 /// M(q), symmetric and, for bodies that all have mass and inertia, positive definite.
 MatrixQ mass_matrix(const Mechanism& mechanism, const Kinematics& now);

@@ -1,34 +1,17 @@
 #include "planar/kinematics.h"
 
-#include <cmath>
+#include "planar/cosine_sine.h"
 
 namespace torqued
 {
 
 Kinematics kinematics(const Mechanism& mechanism, const VectorQ& q, const VectorQ& v)
 {
-  const int size = mechanism.num_theta();
   Kinematics now;
-  const VectorD phi = mechanism.W() * q.head(size);
-  now.rate = mechanism.W() * v.head(size);
-  now.e.resize(2, phi.size());
-  for (int k = 0; k < phi.size(); ++k)
-    now.e.col(k) << std::cos(phi(k)), std::sin(phi(k));
+  now.rate = mechanism.of_directions(v);
+  cosines_and_sines(mechanism.of_directions(q), now.e);
   now.base = q.tail<2>();
   return now;
-}
-
-Eigen::Vector2d from_base(const Kinematics& now, const Point& point)
-{
-  Eigen::Vector2d p = Eigen::Vector2d::Zero();
-  for (const Arm& arm : point)
-    p += rotate(now.e.col(arm.direction), arm.r);
-  return p;
-}
-
-Eigen::Vector2d position(const Kinematics& now, const Point& point)
-{
-  return now.base + from_base(now, point);
 }
 
 void point_jacobian(const Mechanism& mechanism, const Kinematics& now, const Point& point, int row, Jacobian& J)
@@ -48,15 +31,6 @@ void point_jacobian_rate(const Mechanism& mechanism, const Kinematics& now, cons
   for (const Arm& arm : point)
     rows.leftCols(mechanism.num_theta()) -=
         now.rate(arm.direction) * rotate(now.e.col(arm.direction), arm.r) * mechanism.W().row(arm.direction);
-}
-
-Eigen::Vector2d acceleration(const Kinematics& now, const Point& point, const VectorD& acceleration,
-                             const Eigen::Vector2d& base)
-{
-  Eigen::Vector2d result = base + jacobian_rate_times_v(now, point);
-  for (const Arm& arm : point)
-    result += acceleration(arm.direction) * perp(rotate(now.e.col(arm.direction), arm.r));
-  return result;
 }
 
 Eigen::Vector2d jacobian_rate_times_v(const Kinematics& now, const Point& point)

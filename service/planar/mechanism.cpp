@@ -5,13 +5,28 @@
 namespace torqued
 {
 
-Mechanism::Mechanism(const Eigen::MatrixXd& W, const std::vector<Body>& bodies, double gravity)
-    : W_(W), gravity_(gravity)
+namespace
 {
-  assert(W.rows() <= kMaxDirections && num_q() <= kMaxCoordinates);
+
+// those that are not 0, from a row on
+std::vector<Mechanism::Entry> entries(const Eigen::MatrixXd& matrix, Eigen::Index from = 0)
+{
+  std::vector<Mechanism::Entry> found;
+  for (Eigen::Index row = from; row < matrix.rows(); ++row)
+    for (Eigen::Index column = 0; column < matrix.cols(); ++column)
+      if (matrix(row, column) != 0.0)
+        found.push_back({static_cast<int>(row), static_cast<int>(column), matrix(row, column)});
+  return found;
+}
+
+} // namespace
+
+Mechanism::Mechanism(const Eigen::MatrixXd& W, const std::vector<Body>& bodies, double gravity)
+    : W_(W), shares_of_bars_(entries(W, W.cols())), gravity_(gravity), inertias_(VectorD::Zero(W.rows()))
+{
+  assert(W.rows() <= kMaxDirections && num_q() <= kMaxCoordinates && W.topRows(W.cols()).isIdentity(0.0));
   const int directions = num_directions();
   moments_.setZero(2, directions);
-  VectorD turning = VectorD::Zero(directions); // Σ m |r_k|²
   Eigen::MatrixXd sliding = Eigen::MatrixXd::Zero(num_theta(), num_theta());
   std::vector<Eigen::Vector2d> P(static_cast<std::size_t>(directions * directions), Eigen::Vector2d::Zero());
   // Σ m conj(r_j) r_k, kept for j < k, because P_kj = conj(P_jk); what belongs to one direction does not turn against
@@ -21,7 +36,7 @@ Mechanism::Mechanism(const Eigen::MatrixXd& W, const std::vector<Body>& bodies, 
     const double real = r_j.dot(m_r_k);
     const double imaginary = cross(r_j, m_r_k);
     if (j == k)
-      turning(k) += real;
+      inertias_(k) += real;
     else if (j < k)
       P[static_cast<std::size_t>(j * directions + k)] += Eigen::Vector2d(real, imaginary);
     else
@@ -31,13 +46,13 @@ Mechanism::Mechanism(const Eigen::MatrixXd& W, const std::vector<Body>& bodies, 
   for (const Body& body : bodies)
   {
     mass_ += body.mass;
-    turning(body.direction) += body.inertia;
+    inertias_(body.direction) += body.inertia;
     moments_.col(body.direction) += body.moment;
     for (std::size_t i = 0; i < body.origin.size(); ++i)
     {
       const Arm& arm = body.origin[i];
       moments_.col(arm.direction) += body.mass * arm.r;
-      turning(arm.direction) += body.mass * arm.r.squaredNorm();
+      inertias_(arm.direction) += body.mass * arm.r.squaredNorm();
       for (std::size_t j = i + 1; j < body.origin.size(); ++j)
         add_pair(arm.direction, body.origin[j].direction, arm.r, body.mass * body.origin[j].r);
       // where the origin lies along the body's own direction, both orders of the product count
@@ -53,7 +68,8 @@ Mechanism::Mechanism(const Eigen::MatrixXd& W, const std::vector<Body>& bodies, 
       if (const Eigen::Vector2d& pair = P[static_cast<std::size_t>(j * directions + k)]; !pair.isZero(0.0))
         pairs_.push_back({j, k, pair});
 
-  inertia_ = W_.transpose() * turning.asDiagonal() * W_ + sliding;
+  sliding_ = entries(sliding);
+  inertia_ = W_.transpose() * inertias_.asDiagonal() * W_ + sliding;
 }
 
 } // namespace torqued

@@ -11,7 +11,8 @@
 ///
 ///   φ = W θ                                                                            (W constant)
 ///
-/// against the world. A *point* of the mechanism is the base point plus arms, each constant in its direction's frame:
+/// against the world. The first of them are the members of θ; bars follow. A *point* of the mechanism is the base point
+/// plus arms, each constant in its direction's frame:
 ///
 ///   p = p_base + Σₖ R(φₖ) rₖ
 ///
@@ -52,7 +53,7 @@ inline Eigen::Vector2d perp(const Eigen::Vector2d& r)
 /// R(φ) r, with e = (cos φ, sin φ).
 inline Eigen::Vector2d rotate(const Eigen::Vector2d& e, const Eigen::Vector2d& r)
 {
-  return {e.x() * r.x() - e.y() * r.y(), e.y() * r.x() + e.x() * r.y()};
+  return e.x() * r + e.y() * perp(r);
 }
 
 /// The moment of F at r, counter-clockwise positive: r_x F_z − r_z F_x.
@@ -90,8 +91,8 @@ struct Body
 ///   mass      m   = Σ m
 ///   moments   S_k = Σ m r_k             kg m, in direction k's frame
 ///   pairs     P_jk = Σ m conj(r_j) r_k, j < k and not zero, kg m²
-///   inertia   Wᵀ diag(Σ m |r_k|²) W     kg m², the part of M(q) that is the same in every pose; and the masses that
-///                                       each slide moves, kg
+///   inertias  I_k = Σ m |r_k|²          kg m²
+///   sliding   the masses that each two slides move together, kg
 ///
 /// The equation of motion needs nothing else (dynamics.h).
 class Mechanism
@@ -103,8 +104,14 @@ public:
     int j, k;
     Eigen::Vector2d P;
   };
+  /// An entry of a matrix that has few.
+  struct Entry
+  {
+    int row, column;
+    double value;
+  };
 
-  /// W: directions × length of θ; gravity: m/s², downward.
+  /// W: directions × length of θ, begins with the unit matrix; gravity: m/s², downward.
   ///
   /// Requires: sizes that stay within kMaxCoordinates and kMaxDirections; arms and bodies that name existing
   /// directions and members of θ.
@@ -117,18 +124,46 @@ public:
   int num_directions() const { return static_cast<int>(W_.rows()); }
 
   const Bounded<kMaxDirections, kMaxCoordinates>& W() const { return W_; }
-  double gravity() const { return gravity_; }               ///< m/s², downward
-  double mass() const { return mass_; }                     ///< m, kg
-  const PlaneVectors& moments() const { return moments_; }  ///< S, kg m, one column per direction
-  const std::vector<Pair>& pairs() const { return pairs_; } ///< P, kg m², those that are not zero
-  const MatrixQ& inertia() const { return inertia_; }       ///< kg m², kg; θ × θ
+  /// W θ; `theta` may go on, as q, v and a do.
+  VectorD of_directions(const VectorQ& theta) const
+  {
+    VectorD x(num_directions());
+    x.head(num_theta()) = theta.head(num_theta());
+    x.tail(num_directions() - num_theta()).setZero();
+    for (const Entry& share : shares_of_bars_)
+      x(share.row) += share.value * theta(share.column);
+    return x;
+  }
+  /// Adds Wᵀ x to the head of `theta`, x being 0 but at one direction.
+  void add_from_direction(int direction, double x, VectorQ& theta) const
+  {
+    if (direction < num_theta())
+      theta(direction) += x;
+    else
+      for (const Entry& share : shares_of_bars_)
+        if (share.row == direction)
+          theta(share.column) += share.value * x;
+  }
+  /// W below the unit matrix.
+  const std::vector<Entry>& shares_of_bars() const { return shares_of_bars_; }
+  double gravity() const { return gravity_; }                    ///< m/s², downward
+  double mass() const { return mass_; }                          ///< m, kg
+  const PlaneVectors& moments() const { return moments_; }       ///< S, kg m, one column per direction
+  const std::vector<Pair>& pairs() const { return pairs_; }      ///< P, kg m², those that are not zero
+  const VectorD& inertias() const { return inertias_; }          ///< I, kg m²
+  const std::vector<Entry>& sliding() const { return sliding_; } ///< kg; rows and columns of θ
+  /// Wᵀ diag(I) W, and sliding: the part of M(q) that is the same in every pose, θ × θ.
+  const MatrixQ& inertia() const { return inertia_; }
 
 private:
   Bounded<kMaxDirections, kMaxCoordinates> W_;
+  std::vector<Entry> shares_of_bars_;
   double gravity_;
   double mass_ = 0.0;
   PlaneVectors moments_;
   std::vector<Pair> pairs_;
+  VectorD inertias_;
+  std::vector<Entry> sliding_;
   MatrixQ inertia_;
 };
 

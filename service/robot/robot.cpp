@@ -46,6 +46,7 @@ public:
     add_feet(robot);
     check_names(robot);
     check_magnitudes(robot);
+    fold_motors(robot);
     robot.model_id = model_id(robot);
     return robot;
   }
@@ -138,46 +139,48 @@ private:
       links_[static_cast<std::size_t>(root_)].coordinate = num_theta_++;
   }
 
-  // Each link's direction and origin. The first directions are the members of θ; bars and the world follow.
+  // Each link's direction and origin. The first directions are the members of θ, though what slides turns nothing; bars
+  // follow.
   void place_links()
   {
     W_ = Eigen::MatrixXd::Identity(num_theta_, num_theta_);
-    for (const Link& link : links_)
-      if (link.joint == JointKind::slide)
-        W_.row(link.coordinate).setZero();
     for (const int i : order_)
     {
       Link& link = links_[static_cast<std::size_t>(i)];
       link.direction = link.coordinate;
-      if (i == root_)
-        continue;
-      const Link& parent = links_[static_cast<std::size_t>(link.parent)];
-      link.origin = point_of(parent, link.at);
-      link.slides = parent.slides;
-      switch (link.joint)
-      {
-      case JointKind::floating:
-      case JointKind::revolute: break;
-      case JointKind::rolling: place_rolling(link, parent, description_.links[static_cast<std::size_t>(i)]); break;
-      case JointKind::parallel:
-        if (!fixed_root())
-          fail(description_.links[static_cast<std::size_t>(i)],
-               fmt::format("link '{}' is parallel to the world, but the root floats: nothing could hold it; the root "
-                           "must be fixed to the world",
-                           link.name));
-        link.direction = links_[static_cast<std::size_t>(root_)].direction;
-        link.direction_angle = link.angle;
-        break;
-      case JointKind::slide:
-        link.slides.push_back(link.coordinate);
-        link.direction = parent.direction;
-        link.direction_angle = parent.direction_angle;
-        break;
-      case JointKind::fixed:
-        link.direction = parent.direction;
-        link.direction_angle = parent.direction_angle + link.angle;
-        break;
-      }
+      if (i != root_)
+        place_link(link, links_[static_cast<std::size_t>(link.parent)],
+                   description_.links[static_cast<std::size_t>(i)]);
+      link.heading = unit(link.direction_angle);
+    }
+  }
+
+  void place_link(Link& link, const Link& parent, const RobotDescription::LinkEntry& entry)
+  {
+    link.origin = point_of(parent, link.at);
+    link.slides = parent.slides;
+    switch (link.joint)
+    {
+    case JointKind::floating:
+    case JointKind::revolute: break;
+    case JointKind::rolling: place_rolling(link, parent, entry); break;
+    case JointKind::parallel:
+      if (!fixed_root())
+        fail(entry, fmt::format("link '{}' is parallel to the world, but the root floats: nothing could hold it; the "
+                                "root must be fixed to the world",
+                                link.name));
+      link.direction = links_[static_cast<std::size_t>(root_)].direction;
+      link.direction_angle = link.angle;
+      break;
+    case JointKind::slide:
+      link.slides.push_back(link.coordinate);
+      link.direction = parent.direction;
+      link.direction_angle = parent.direction_angle;
+      break;
+    case JointKind::fixed:
+      link.direction = parent.direction;
+      link.direction_angle = parent.direction_angle + link.angle;
+      break;
     }
   }
 
@@ -302,6 +305,28 @@ private:
     robot.A_inverse = lu.inverse();
   }
 
+  // what answers need of A and κ
+  static void fold_motors(Robot& robot)
+  {
+    const int n = robot.num_joints();
+    const int size = robot.mechanism.num_theta();
+    for (int joint = 0; joint < n; ++joint)
+      for (int c = 0; c < size; ++c)
+      {
+        if (const double share = robot.A(joint, c) * robot.kappa(joint); share != 0.0)
+          robot.B.push_back({c, joint, share});
+        robot.B_inverse(joint, c) = robot.A_inverse(c, joint) / robot.kappa(joint);
+      }
+    robot.turning.setZero(size + 2);
+    robot.turning.head(size) = robot.A_inverse.col(size - 1);
+    const int directions = robot.mechanism.num_directions();
+    robot.torques_of_moments.leftCols(directions) = robot.B_inverse.leftCols(size) * robot.mechanism.W().transpose();
+    for (const Actuator& motor : robot.actuators)
+      for (const double number :
+           {motor.rotor_inertia, motor.coulomb, motor.viscous, motor.stribeck, motor.friction_offset})
+        robot.joint_friction = robot.joint_friction || number != 0.0;
+  }
+
   double kappa(const Actuator& actuator, const RobotDescription::ActuatorEntry& entry) const
   {
     if (actuator.placement == Placement::links)
@@ -341,6 +366,9 @@ private:
       foot.ankle = point_of(link, foot.ankle_at);
       foot.heel = point_of(link, foot.heel_at);
       foot.toe = point_of(link, foot.toe_at);
+      foot.direction = link.direction;
+      foot.to_heel = rotate(link.heading, foot.heel_at - foot.ankle_at);
+      foot.to_toe = rotate(link.heading, foot.toe_at - foot.ankle_at);
       if (foot.has_extent() && (foot.heel_at.y() != foot.toe_at.y() || !(foot.heel_at.x() < foot.toe_at.x())))
         fail(entry, fmt::format("{}: heel is at ({}, {}) and toe at ({}, {}); the toe must lie before the heel and "
                                 "as high as it, so that the sole is level when the foot's angle is 0",
@@ -578,7 +606,7 @@ std::string_view name_of(Placement placement)
 
 Body body_of(const Link& link)
 {
-  const Eigen::Vector2d com = rotate(unit(link.direction_angle), link.com);
+  const Eigen::Vector2d com = rotate(link.heading, link.com);
   return {link.origin, link.direction, link.mass, link.mass * com, link.inertia + link.mass * com.squaredNorm(),
           link.slides};
 }
@@ -590,12 +618,25 @@ VectorJ joint_rates(const Robot& robot, const VectorQ& theta_rates)
 
 VectorQ joint_forces(const Robot& robot, const VectorJ& torque)
 {
-  return robot.A.topRows(robot.num_joints()).transpose() * robot.kappa.cwiseProduct(torque);
+  VectorQ force = VectorQ::Zero(robot.mechanism.num_theta());
+  for (const Mechanism::Entry& share : robot.B)
+    force(share.row) += share.value * torque(share.column);
+  return force;
 }
 
 VectorJ joint_torques(const Robot& robot, const VectorQ& force)
 {
-  return (robot.A_inverse.leftCols(robot.num_joints()).transpose() * force).cwiseQuotient(robot.kappa);
+  // four rows at a time, because a number of columns known to the compiler is what makes small products fast
+  VectorJ torque(kMaxJoints);
+  for (int j = 0; j < robot.num_joints(); j += 4)
+  {
+    Eigen::Vector4d sum = Eigen::Vector4d::Zero();
+    for (int c = 0; c < robot.mechanism.num_theta(); ++c)
+      sum += force(c) * robot.B_inverse.block<4, 1>(j, c);
+    torque.segment<4>(j) = sum;
+  }
+  torque.conservativeResize(robot.num_joints());
+  return torque;
 }
 
 Bounded<kMaxCoordinates, kMaxJoints> input_matrix(const Robot& robot)

@@ -81,9 +81,10 @@ struct Link
 
   int coordinate = -1; ///< its member of θ: an angle; slide: a displacement, m; −1 if it has none of its own
   int direction = -1;  ///< the mechanism's direction that turns it
-  double direction_angle = 0.0; ///< its angle against that direction, rad
-  Point origin;                 ///< its frame's origin
-  std::vector<int> slides;      ///< members of θ that add up to its displacement sideways
+  double direction_angle = 0.0;                       ///< its angle against that direction, rad
+  Eigen::Vector2d heading = Eigen::Vector2d::UnitX(); ///< cosine and sine of that
+  Point origin;                                       ///< its frame's origin
+  std::vector<int> slides;                            ///< members of θ that add up to its displacement sideways
 
   /// Share of the parent's and of the link's own angle in the bar's angle γ; rolling only.
   ///
@@ -134,6 +135,9 @@ struct Foot
   double friction = 0.0;  ///< coefficient μ
   double f_min = 0.0;     ///< least normal force that a method should give it, N
   Point ankle, heel, toe; ///< the same points of the mechanism
+  int direction = -1;     ///< the link's
+  /// Heel and toe from the ankle, in the frame of the direction, m.
+  Eigen::Vector2d to_heel = Eigen::Vector2d::Zero(), to_toe = to_heel;
 
   bool exists() const { return link >= 0; }
   bool has_extent() const { return heel_at != toe_at; }
@@ -169,8 +173,15 @@ struct Robot
   Mechanism mechanism;
   MatrixQ A = {}, A_inverse = {}; ///< with a fixed root's angle as last row and column; so is b
   VectorQ b = {};
-  VectorJ kappa = {};      ///< of every actuator
-  double leg_length = 0.0; ///< a length of the robot's size, m: see assemble()
+  VectorJ kappa = {};                   ///< of every actuator
+  VectorQ turning = {};                 ///< the rates of q when the whole robot turns about its base point
+  std::vector<Mechanism::Entry> B = {}; ///< of joint_forces(): rows of θ, columns of joints
+  /// B⁺ of joint_torques(): rows of joints, columns of θ; the rest 0.
+  Eigen::Matrix<double, kMaxJoints, kMaxCoordinates> B_inverse = B_inverse.Zero();
+  /// B⁺ Wᵀ: the torques that give a moment about each direction.
+  Eigen::Matrix<double, kMaxJoints, kMaxDirections> torques_of_moments = torques_of_moments.Zero();
+  bool joint_friction = false; ///< whether any motor has a rotor or friction, joint_friction.h
+  double leg_length = 0.0;     ///< a length of the robot's size, m: see assemble()
   /// The link in the middle of the way from foot to foot, the nearer one to the right foot of two; −1 without two feet.
   /// Both legs carry it, and what hangs on it. A leg is what is left on the way to a foot, with all that hangs there.
   int trunk = -1;

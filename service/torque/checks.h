@@ -26,9 +26,9 @@ inline constexpr std::int32_t projected = 512;
 /// What the ground does to a foot; ground on robot, world frame.
 struct GroundReaction
 {
-  Wrench wrench;         ///< N, N m about the ankle
-  double cop;            ///< m, along the sole from below the ankle, forward positive; 0 without load
-  double friction_ratio; ///< |fx| / fz; 0 without load
+  Wrench wrench;               ///< N, N m about the ankle
+  double cop = 0.0;            ///< m, along the sole from below the ankle, forward positive; 0 without load
+  double friction_ratio = 0.0; ///< |fx| / fz; 0 without load
 };
 
 /// Centre of pressure and friction of a foot.

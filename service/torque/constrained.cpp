@@ -26,8 +26,8 @@ constexpr std::array<Rank, 3> kRanks{Rank::contact, Rank::torque, Rank::window};
 class Conditions
 {
 public:
-  Conditions(const Robot& robot, const Support& support, const AdmissibleReactions& all)
-      : robot_(robot), support_(support), all_(all), unit_(all.Z.cols())
+  Conditions(const Robot& robot, const Support& support, const AdmissibleReactions& all, const ReactionTorques& torques)
+      : robot_(robot), support_(support), all_(all), torques_(torques), unit_(all.Z.cols())
   {
     // N; N m where y is a moment, the third of two soles
     unit_.setConstant(robot.weight());
@@ -55,8 +55,8 @@ public:
         continue;
       // a motor with next to no limit would otherwise outweigh all others
       const double scale = std::max(limit, 1e-3 * robot_.weight() * robot_.leg_length);
-      add(Rank::torque, all_.T.row(j), limit - all_.tau0(j), scale);
-      add(Rank::torque, -all_.T.row(j), limit + all_.tau0(j), scale);
+      add(Rank::torque, torques_.T.row(j), limit - torques_.tau0(j), scale);
+      add(Rank::torque, -torques_.T.row(j), limit + torques_.tau0(j), scale);
     }
   }
 
@@ -114,6 +114,7 @@ private:
   const Robot& robot_;
   const Support& support_;
   const AdmissibleReactions& all_;
+  const ReactionTorques& torques_;
   BoundedVector<kMaxVariables> unit_; // of y
   Rows rows_;
   std::array<Rank, kMaxRows> rank_{};
@@ -176,14 +177,15 @@ void contact_rows(const Robot& robot, const SupportEquations& equations, const S
 Result<Reactions> constrained(const Robot& robot, const SupportEquations& equations, const Support& support,
                               const AdmissibleReactions& all, const Constrained& settings, bool relax)
 {
-  Conditions conditions(robot, support, all);
+  const ReactionTorques torques = reaction_torques(robot, equations, support, all);
+  Conditions conditions(robot, support, all, torques);
   contact_rows(robot, equations, support, settings, conditions);
   conditions.torque_rows();
 
   // objective, over its value for a torque of weight × leg length at every joint
   const double size = robot.weight() * robot.leg_length;
-  const Bounded<kMaxJoints, 3> T = all.T * conditions.unit().asDiagonal() / size;
-  const VectorJ tau0 = all.tau0 / size;
+  const Bounded<kMaxJoints, 3> T = torques.T * conditions.unit().asDiagonal() / size;
+  const VectorJ tau0 = torques.tau0 / size;
   Bounded<kMaxJoints, 3> WT = T;
   double scale = 1.0;
   if (settings.weights.size() > 0)

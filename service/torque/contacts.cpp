@@ -1,7 +1,5 @@
 #include "torque/contacts.h"
 
-#include <cmath>
-
 namespace torqued
 {
 
@@ -28,7 +26,7 @@ const Point& contact_point(const Foot& foot, Contact contact)
 
 Eigen::Vector2d heading(const Link& link, const Kinematics& now)
 {
-  return rotate({std::cos(link.direction_angle), std::sin(link.direction_angle)}, now.e.col(link.direction));
+  return rotate(link.heading, now.e.col(link.direction));
 }
 
 std::optional<Refusal> check_contacts(const Robot& robot, const Support& support)
@@ -86,7 +84,47 @@ Jacobian contact_rows_rate(const Robot& robot, const Kinematics& now, const Supp
   return Jdot;
 }
 
-Result<Motion> complete_motion(const Robot& robot, const DesiredState& desired)
+FootPose foot_pose(const Robot& robot, const Kinematics& now, const Foot& foot)
+{
+  const Eigen::Vector2d e = now.e.col(foot.direction);
+  const Eigen::Vector2d ankle = position(now, foot.ankle);
+  return {ankle, ankle + rotate(e, foot.to_heel), ankle + rotate(e, foot.to_toe),
+          rotate(robot.link(foot.link).heading, e)};
+}
+
+Bounded<kMaxJoints, 6> contact_torques(const Robot& robot, const Kinematics& now, const Support& support)
+{
+  // four rows at a time, as in joint_torques()
+  Bounded<kMaxJoints, 6> torques(kMaxJoints, support.wrench_components());
+  const auto& of_moments = robot.torques_of_moments;
+  for (const Side side : kSides)
+  {
+    const Contact contact = support.of(side);
+    if (contact == Contact::none)
+      continue;
+    const Foot& foot = robot.foot(side);
+    const Point& point = contact_point(foot, contact);
+    const int column = support.row(side);
+    for (int j = 0; j < robot.num_joints(); j += 4)
+    {
+      Eigen::Vector4d fx = Eigen::Vector4d::Zero(), fz = fx;
+      for (const Arm& arm : point)
+      {
+        const Eigen::Vector2d r = rotate(now.e.col(arm.direction), arm.r);
+        const Eigen::Vector4d unit = of_moments.block<4, 1>(j, arm.direction);
+        fx -= r.y() * unit;
+        fz += r.x() * unit;
+      }
+      torques.block<4, 1>(j, column) = fx;
+      torques.block<4, 1>(j, column + 1) = fz;
+      if (contact == Contact::sole)
+        torques.block<4, 1>(j, column + 2) = of_moments.block<4, 1>(j, foot.direction);
+    }
+  }
+  return torques.topRows(robot.num_joints());
+}
+
+Result<BaseMotion> base_motion(const Robot& robot, const DesiredState& desired, const VectorD& turn, Kinematics& now)
 {
   const Support& support = desired.support;
   if (const auto refusal = check_contacts(robot, support))
@@ -98,28 +136,31 @@ Result<Motion> complete_motion(const Robot& robot, const DesiredState& desired)
     return Refusal(Reason::not_supported,
                    "base is FROM_CONTACT (0), but neither foot has contact: in flight the base must "
                    "be GIVEN (1)");
-
-  const Mechanism& mechanism = robot.mechanism;
-  Motion motion{kinematics(mechanism, desired.q, desired.v), desired.v, desired.a};
   if (desired.base_given)
-    return motion;
+    return BaseMotion{desired.v.tail<2>(), desired.a.tail<2>()};
 
   // the resting point at x = 0, the point of the sole below the ankle, or the contact point, at z = 0
   const Side side = resting_side(robot, support);
   const Foot& foot = robot.foot(side);
   const Contact contact = support.of(side);
   const Point& point = contact_point(foot, contact);
-  Kinematics& now = motion.now;
   now.base = -from_base(now, point);
   if (contact == Contact::sole)
     now.base.y() += foot.ankle_height() * heading(robot.link(foot.link), now).x();
 
   // 0 = J v and 0 = J a + J̇ v at the resting point
-  Jacobian J(2, mechanism.num_q());
-  point_jacobian(mechanism, now, point, 0, J);
-  const int size = mechanism.num_theta();
-  motion.v.tail<2>() = -J.leftCols(size) * motion.v.head(size);
-  motion.a.tail<2>() = -J.leftCols(size) * motion.a.head(size) - jacobian_rate_times_v(now, point);
+  const Eigen::Vector2d still = Eigen::Vector2d::Zero();
+  return BaseMotion{-velocity(now, point, still), -acceleration(now, point, turn, still)};
+}
+
+Result<Motion> complete_motion(const Robot& robot, const DesiredState& desired)
+{
+  Motion motion{kinematics(robot.mechanism, desired.q, desired.v), desired.v, desired.a};
+  const Result<BaseMotion> base = base_motion(robot, desired, robot.mechanism.of_directions(desired.a), motion.now);
+  if (const Refusal* refusal = std::get_if<Refusal>(&base))
+    return *refusal;
+  motion.v.tail<2>() = std::get<BaseMotion>(base).velocity;
+  motion.a.tail<2>() = std::get<BaseMotion>(base).acceleration;
   return motion;
 }
 

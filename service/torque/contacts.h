@@ -44,6 +44,41 @@ ContactRows contact_rows(const Robot& robot, const Kinematics& now, const Suppor
 /// J̇ of contact_rows(), 1/s of its entries. Requires: check_contacts().
 Jacobian contact_rows_rate(const Robot& robot, const Kinematics& now, const Support& support);
 
+/// Where a foot is, in the world.
+struct FootPose
+{
+  Eigen::Vector2d ankle, heel, toe; ///< m
+  Eigen::Vector2d e;                ///< (cos, sin) of the foot's angle; (1, 0) with the sole level
+
+  /// Where a contact's force acts: heel or toe; the ankle for a sole.
+  const Eigen::Vector2d& point(Contact contact) const
+  {
+    return contact == Contact::heel ? heel : contact == Contact::toe ? toe : ankle;
+  }
+};
+
+/// Requires: the foot exists.
+FootPose foot_pose(const Robot& robot, const Kinematics& now, const Foot& foot);
+
+/// B⁺ Jᵀ: joints × wrench_components(). Requires: check_contacts().
+Bounded<kMaxJoints, 6> contact_torques(const Robot& robot, const Kinematics& now, const Support& support);
+
+/// How the base point moves.
+struct BaseMotion
+{
+  Eigen::Vector2d velocity, acceleration; ///< m/s, m/s²
+};
+
+/// Completes a desired state whose kinematics are computed: sets now.base.
+///
+/// Without a given base the resting point stays at its place: that of a fixed root; a lone foot's ankle (sole), heel or
+/// toe; in double support the ankle of the foot on its sole, or of the trailing foot when both or neither are on their
+/// soles (there its contact point). It is put at x = 0, with the sole or the contact point at z = 0.
+///
+/// turn: φ̈ of every direction, rad/s².
+/// Refuses, not_supported: what check_contacts() does; flight without a given base; a given base of a fixed root.
+Result<BaseMotion> base_motion(const Robot& robot, const DesiredState& desired, const VectorD& turn, Kinematics& now);
+
 /// A desired state whose base is known.
 struct Motion
 {
@@ -51,13 +86,7 @@ struct Motion
   VectorQ v, a; ///< length num_q()
 };
 
-/// Completes a desired state.
-///
-/// Without a given base the resting point stays at its place: that of a fixed root; a lone foot's ankle (sole), heel or
-/// toe; in double support the ankle of the foot on its sole, or of the trailing foot when both or neither are on their
-/// soles (there its contact point). It is put at x = 0, with the sole or the contact point at z = 0.
-///
-/// Refuses, not_supported: what check_contacts() does; flight without a given base; a given base of a fixed root.
+/// Completes a desired state. Refuses what base_motion() does.
 Result<Motion> complete_motion(const Robot& robot, const DesiredState& desired);
 
 } // namespace torqued

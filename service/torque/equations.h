@@ -15,39 +15,32 @@
 namespace torqued
 {
 
-/// Where a foot is, in the world.
-struct FootPose
-{
-  Eigen::Vector2d ankle, heel, toe; ///< m
-  Eigen::Vector2d e;                ///< (cos, sin) of the foot's angle; (1, 0) with the sole level
-
-  /// Where a contact's force acts: heel or toe; the ankle for a sole.
-  const Eigen::Vector2d& point(Contact contact) const
-  {
-    return contact == Contact::heel ? heel : contact == Contact::toe ? toe : ankle;
-  }
-};
-
 /// Equations (1) and (2) of one desired state, and what the rules need to know of the pose.
 struct SupportEquations
 {
-  VectorQ r;                    ///< the generalized force that the motion needs
-  Jacobian J;                   ///< wrench_components() × num_q()
-  Bounded<3, 6> G;              ///< 3 × wrench_components()
-  Eigen::Vector3d d;            ///< (F_x, F_z, M about the base point) that the ground must supply, N and N m
-  Motion motion;                ///< what they were built from
-  std::array<FootPose, 2> feet; ///< indexed by Side; of a foot that the robot has not: the base point
+  SupportEquations() {} // sets nothing: zeros would cost as much as the equations
+
+  VectorQ r;         ///< the generalized force that the motion needs
+  Eigen::Vector3d d; ///< (F_x, F_z, M about the base point) that the ground must supply, N and N m
+  Kinematics now;
+  VectorD turn;                      ///< φ̈ of every direction, rad/s²
+  Eigen::Vector2d base_acceleration; ///< m/s²
+  std::array<FootPose, 2> feet;      ///< indexed by Side; not set without contact
 
   double contact_speed;    ///< largest |J v|: what should be at rest, m/s or rad/s
   double contact_residual; ///< largest |J a + J̇ v|, m/s² or rad/s²
   double sole_tilt;        ///< largest angle of a foot that stands on its sole, rad
 
-  const Eigen::Vector2d& base() const { return motion.now.base; }
+  const Eigen::Vector2d& base() const { return now.base; }
   const FootPose& foot(Side side) const { return feet[static_cast<std::size_t>(side)]; }
   /// The total ground force (F_x, F_z), and its moment about the world's origin.
   Eigen::Vector2d force() const { return d.head<2>(); }
   double moment_about_origin() const { return d(2) + cross(base(), force()); }
 };
+
+/// r − Jᵀ w: what is left for the motors, length num_q(). Its base rows are 0 if w meets (2).
+VectorQ left_for_motors(const Robot& robot, const SupportEquations& equations, const Support& support,
+                        const WrenchVector& w);
 
 /// Builds the equations of a desired state. Refuses what complete_motion() refuses.
 Result<SupportEquations> support_equations(const Robot& robot, const DesiredState& desired);

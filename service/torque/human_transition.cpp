@@ -63,7 +63,7 @@ Result<Reactions> human_transition(const Robot& robot, const SupportEquations& e
   const double sigma = begun * (1.0 - unfinished * (1.0 - by_both));
 
   // the line from the trailing foot to the centre of mass; of a robot that lies on the ground there is none
-  const Eigen::Vector2d line = centre_of_mass(robot.mechanism, equations.motion.now) - x_r;
+  const Eigen::Vector2d line = centre_of_mass(robot.mechanism, equations.now) - x_r;
   const double friction = robot.foot(support.trailing()).friction;
   const double slope =
       line.y() > kCoincident * robot.leg_length ? std::clamp(line.x() / line.y(), -friction, friction) : 0.0;

@@ -59,11 +59,11 @@ double largest(const WrenchVector& values)
 // S: metres to coordinates
 VectorQ scales(const Robot& robot)
 {
-  const Mechanism& mechanism = robot.mechanism;
-  VectorQ S = VectorQ::Ones(mechanism.num_q());
-  for (int i = 0; i < mechanism.num_theta(); ++i)
-    if (!mechanism.W().col(i).isZero(0.0))
-      S(i) = 1.0 / robot.leg_length;
+  VectorQ S = VectorQ::Ones(robot.mechanism.num_q());
+  S.head(robot.mechanism.num_theta()).setConstant(1.0 / robot.leg_length);
+  for (const Link& link : robot.links)
+    if (link.joint == JointKind::slide)
+      S(link.coordinate) = 1.0;
   return S;
 }
 

@@ -5,7 +5,8 @@
 namespace torqued
 {
 
-Reactions pseudo_inverse(const Support& support, const AdmissibleReactions& all, const PseudoInverse& settings)
+Reactions pseudo_inverse(const Support& support, const AdmissibleReactions& all, const ReactionTorques& torques,
+                         const PseudoInverse& settings)
 {
   // V, with zeros for the foot that is fixed
   const bool leading_sole = support.of(support.leading) == Contact::sole;
@@ -19,12 +20,12 @@ Reactions pseudo_inverse(const Support& support, const AdmissibleReactions& all,
     }
 
   // the minimum over y of τᵀ W τ + λᵀ V λ, with τ = τ0 + T y and λ of w0 + Z y
-  Bounded<kMaxJoints, 3> WT = all.T;
+  Bounded<kMaxJoints, 3> WT = torques.T;
   if (settings.weights.size() > 0)
-    WT = settings.weights * all.T;
+    WT = settings.weights * torques.T;
   const Bounded<6, 3> VZ = V.asDiagonal() * all.Z;
-  const Bounded<3, 3> H = all.T.transpose() * WT + all.Z.transpose() * VZ;
-  const BoundedVector<3> g = WT.transpose() * all.tau0 + VZ.transpose() * all.w0;
+  const Bounded<3, 3> H = torques.T.transpose() * WT + all.Z.transpose() * VZ;
+  const BoundedVector<3> g = WT.transpose() * torques.tau0 + VZ.transpose() * all.w0;
   const BoundedVector<3> y = -H.llt().solve(g);
   return {all.w0 + all.Z * y};
 }

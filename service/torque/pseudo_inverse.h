@@ -22,6 +22,7 @@ struct PseudoInverse
   Eigen::Vector3d reaction_weights = Eigen::Vector3d::Ones(); ///< of f_x, f_z (1/N²) and moment (1/(N m)²); positive
 };
 
-Reactions pseudo_inverse(const Support& support, const AdmissibleReactions& all, const PseudoInverse& settings);
+Reactions pseudo_inverse(const Support& support, const AdmissibleReactions& all, const ReactionTorques& torques,
+                         const PseudoInverse& settings);
 
 } // namespace torqued

@@ -6,12 +6,10 @@ namespace torqued
 namespace
 {
 
-// the wrench that a sole needs for G w = d when the other foot carries w_other
-Eigen::Vector3d left_to_sole(const SupportEquations& equations, int sole_row, const Eigen::Vector3d& d)
+// The wrench by which a sole supplies a force and a moment about the base point. lever: from there to its ankle.
+Eigen::Vector3d at_sole(const Eigen::Vector2d& lever, const Eigen::Vector3d& d)
 {
-  // its columns of G are [1 0 0; 0 1 0; −z x 1]
-  const auto G = equations.G.middleCols<3>(sole_row);
-  return {d(0), d(1), d(2) - G(2, 0) * d(0) - G(2, 1) * d(1)};
+  return {d(0), d(1), d(2) - cross(lever, d.head<2>())};
 }
 
 } // namespace
@@ -38,13 +36,19 @@ AdmissibleReactions admissible_reactions(const Robot& robot, const SupportEquati
     const int sole_row = support.row(sole);
     const int free_row = support.row(other(sole));
     const int free = wrench_components(support.of(other(sole)));
-    all.w0.segment<3>(sole_row) = left_to_sole(equations, sole_row, d);
-    all.Z = Bounded<6, 3>::Zero(components, free);
-    for (int k = 0; k < free; ++k)
-    {
-      all.Z(free_row + k, k) = 1.0;
-      all.Z.col(k).segment<3>(sole_row) = left_to_sole(equations, sole_row, -equations.G.col(free_row + k));
-    }
+    const Eigen::Vector2d lever = equations.foot(sole).ankle - equations.base();
+    all.w0.segment<3>(sole_row) = at_sole(lever, d);
+    if (free == 0)
+      return all;
+
+    // a force at the other foot, then a moment, and what takes them back
+    all.Z.setZero(components, free);
+    all.Z.block(free_row, 0, free, free).setIdentity();
+    const Eigen::Vector2d between =
+        equations.foot(other(sole)).point(support.of(other(sole))) - equations.foot(sole).ankle;
+    all.Z.block<3, 2>(sole_row, 0) << -1.0, 0.0, 0.0, -1.0, between.y(), -between.x();
+    if (free == 3)
+      all.Z(sole_row + 2, 2) = -1.0;
   }
   else
   {
@@ -79,16 +83,14 @@ AdmissibleReactions admissible_reactions(const Robot& robot, const SupportEquati
     }
   }
 
-  const int size = robot.mechanism.num_theta();
-  const VectorQ rest = equations.r - equations.J.transpose() * all.w0;
-  all.tau0 = joint_torques(robot, rest.head(size));
-  all.T.resize(robot.num_joints(), all.Z.cols());
-  for (Eigen::Index k = 0; k < all.Z.cols(); ++k)
-  {
-    const VectorQ force = equations.J.transpose() * all.Z.col(k);
-    all.T.col(k) = -joint_torques(robot, force.head(size));
-  }
   return all;
+}
+
+ReactionTorques reaction_torques(const Robot& robot, const SupportEquations& equations, const Support& support,
+                                 const AdmissibleReactions& all)
+{
+  const Bounded<kMaxJoints, 6> torques = contact_torques(robot, equations.now, support);
+  return {joint_torques(robot, equations.r) - torques * all.w0, -torques * all.Z};
 }
 
 } // namespace torqued

@@ -51,7 +51,7 @@ BaseParameter standard_parameter(const Robot& robot, std::string_view symbol, co
     name += (name.empty() ? "" : ", ") + link.name;
     Body body = body_of(link);
     body.mass = mass;
-    body.moment = rotate({std::cos(link.direction_angle), std::sin(link.direction_angle)}, moment);
+    body.moment = rotate(link.heading, moment);
     body.inertia = inertia;
     bodies.push_back(body);
   }

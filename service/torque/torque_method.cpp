@@ -46,7 +46,8 @@ Result<Reactions> choose(const Robot& robot, const SupportEquations& equations, 
 {
   switch (method)
   {
-  case Method::pseudo_inverse: return pseudo_inverse(support, all, settings.pseudo_inverse);
+  case Method::pseudo_inverse:
+    return pseudo_inverse(support, all, reaction_torques(robot, equations, support, all), settings.pseudo_inverse);
   case Method::linear_transition: return linear_transition(robot, equations, support, settings.linear_transition);
   case Method::internal_wrench: return reactions_of(least_torque(robot, equations, support, settings.internal_wrench));
   case Method::torso_wrench: return reactions_of(least_torque(robot, equations, support, settings.torso_wrench));
@@ -92,19 +93,29 @@ Result<TorqueSolution> solve_torques(const Robot& robot, const SupportEquations&
   if (const auto refusal = check_admissible(robot, support, all, residual_tolerance))
     return *refusal;
 
-  TorqueSolution solution;
+  Result<TorqueSolution> result(std::in_place_type<TorqueSolution>);
+  TorqueSolution& solution = std::get<TorqueSolution>(result);
   solution.method = all.redundancy() == 0 ? Method::none : method == Method::none ? settings.method : method;
-  const Result<Reactions> chosen = choose(robot, equations, support, all, solution.method, settings);
-  if (const Refusal* refusal = std::get_if<Refusal>(&chosen))
-    return *refusal;
-  const WrenchVector& w = std::get<Reactions>(chosen).w;
-  solution.clamped = std::get<Reactions>(chosen).clamped;
-  solution.relaxed = std::get<Reactions>(chosen).relaxed;
+  if (solution.method == Method::none)
+    solution.w = all.w0;
+  else
+  {
+    const Result<Reactions> chosen = choose(robot, equations, support, all, solution.method, settings);
+    if (const Refusal* refusal = std::get_if<Refusal>(&chosen))
+    {
+      result = *refusal;
+      return result;
+    }
+    const Reactions& reactions = std::get<Reactions>(chosen);
+    solution.w = reactions.w;
+    solution.clamped = reactions.clamped;
+    solution.relaxed = reactions.relaxed;
+  }
+  const WrenchVector& w = solution.w;
 
   // τ = B⁺ (r − Jᵀ w)
-  const VectorQ rest = equations.r - equations.J.transpose() * w;
-  solution.torque = joint_torques(robot, rest.head(robot.mechanism.num_theta()));
-  solution.w = w;
+  solution.rest = left_for_motors(robot, equations, support, w);
+  solution.torque = joint_torques(robot, solution.rest);
 
   // each foot's wrench about its ankle
   for (const Side side : kSides)
@@ -118,15 +129,15 @@ Result<TorqueSolution> solve_torques(const Robot& robot, const SupportEquations&
         contact == Contact::sole ? w(row + 2) : cross(foot.point(contact) - foot.ankle, w.segment<2>(row));
     solution.ground[static_cast<std::size_t>(side)] = {w(row), w(row + 1), moment};
   }
-  return solution;
+  return result;
 }
 
-double dynamics_residual(const Robot& robot, const SupportEquations& equations, const WrenchVector& w,
-                         const VectorJ& torque)
+double dynamics_residual(const Robot& robot, const VectorQ& rest, const VectorJ& torque)
 {
-  VectorQ rest = equations.r - equations.J.transpose() * w;
-  rest.head(robot.mechanism.num_theta()) -= joint_forces(robot, torque);
-  return rest.cwiseAbs().maxCoeff();
+  VectorQ left = rest;
+  for (const Mechanism::Entry& share : robot.B)
+    left(share.row) -= share.value * torque(share.column);
+  return left.cwiseAbs().maxCoeff();
 }
 
 } // namespace torqued

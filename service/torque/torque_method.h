@@ -64,9 +64,12 @@ struct Wrench
 /// What makes the motion happen.
 struct TorqueSolution
 {
+  TorqueSolution() {} // sets no numbers, because zeros are not free
+
   VectorJ torque;                        ///< N m, in the actuators' order
   std::array<Wrench, 2> ground;          ///< indexed by Side; about the ankle, whatever the contact
   WrenchVector w;                        ///< the same, in the order of the rows of J, about the contact points
+  VectorQ rest;                          ///< r − Jᵀ w
   Method method;                         ///< none when nothing had to be chosen
   bool clamped = false, relaxed = false; ///< of the Reactions
 };
@@ -81,7 +84,6 @@ Result<TorqueSolution> solve_torques(const Robot& robot, const SupportEquations&
                                      Method method, const MethodSettings& settings, double residual_tolerance);
 
 /// Largest component of r − B τ − Jᵀ w, N or N m: rounding, unless the motion is under-actuated or τ was clamped.
-double dynamics_residual(const Robot& robot, const SupportEquations& equations, const WrenchVector& w,
-                         const VectorJ& torque);
+double dynamics_residual(const Robot& robot, const VectorQ& rest, const VectorJ& torque);
 
 } // namespace torqued

@@ -39,9 +39,9 @@ struct Legs
 
 Legs legs_of(const Robot& robot, const SupportEquations& equations)
 {
-  const auto& [now, v, a] = equations.motion;
-  const VectorD turning = robot.mechanism.W() * a.head(robot.mechanism.num_theta());
-  const Eigen::Vector2d base_acceleration = a.tail<2>();
+  const Kinematics& now = equations.now;
+  const VectorD& turning = equations.turn;
+  const Eigen::Vector2d& base_acceleration = equations.base_acceleration;
   Legs legs{position(now, robot.link(robot.trunk).origin), {}, {Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero()}};
   for (std::size_t i = 0; i < robot.links.size(); ++i)
   {
@@ -106,7 +106,7 @@ Result<CarriedTrunk> least_torque(const Robot& robot, const SupportEquations& eq
                                   const InternalWrench& settings)
 {
   const Legs legs = legs_of(robot, equations);
-  const auto& [now, v, a] = equations.motion;
+  const Kinematics& now = equations.now;
   const int size = robot.mechanism.num_theta();
 
   const double apart = (equations.foot(Side::left).point(support.of(Side::left)) -
@@ -120,7 +120,7 @@ Result<CarriedTrunk> least_torque(const Robot& robot, const SupportEquations& eq
 
   // B1 and b1 from the wrenches about both ankles; a1 and a2 from the moments about heels and toes
   Bounded<kMaxJoints, 3> B1 = Bounded<kMaxJoints, 3>::Zero(robot.num_joints(), 3);
-  VectorJ b1 = joint_torques(robot, equations.r.head(size));
+  VectorJ b1 = joint_torques(robot, equations.r);
   Bounded<3, 2> a1(3, 0);
   BoundedVector<2> a2(0);
   for (const Side side : kSides)
@@ -138,7 +138,7 @@ Result<CarriedTrunk> least_torque(const Robot& robot, const SupportEquations& eq
     {
       VectorQ force = J.transpose() * U.col(k).head<2>();
       force.head(size) += U(2, k) * robot.mechanism.W().row(robot.link(foot.link).direction).transpose();
-      const VectorJ column = joint_torques(robot, force.head(size));
+      const VectorJ column = joint_torques(robot, force);
       B1.col(k) -= sign * column;
       b1 -= known(k) * column;
     }

@@ -27,14 +27,16 @@ Result<DesiredState> decode_desired_state(Bytes message, const Robot& robot);
 /// What is published for a desired state that was answered.
 struct Answer
 {
-  std::int64_t utime, stream_id;
-  Method method;
-  std::int32_t flags;
+  Answer() {} // or a variant would set all of its bytes to zero first, and `torque` needs no zeros
+
+  std::int64_t utime = 0, stream_id = 0;
+  Method method = Method::none;
+  std::int32_t flags = 0;
   std::array<GroundReaction, 2> ground; ///< indexed by Side
-  double zmp;                           ///< m
-  double dynamics_residual;             ///< N, N m
-  double contact_speed;                 ///< m/s, rad/s
-  double contact_residual;              ///< m/s², rad/s²
+  double zmp = 0.0;                     ///< m
+  double dynamics_residual = 0.0;       ///< N, N m
+  double contact_speed = 0.0;           ///< m/s, rad/s
+  double contact_residual = 0.0;        ///< m/s², rad/s²
   VectorJ torque;                       ///< N m
 };
 
