@@ -1,6 +1,7 @@
-// What the daemon costs, and what that is compared with: measured in interleaved rounds.
+// What computations and the daemon cost, and what that is compared with: measured in interleaved rounds.
 
 #include "bench/bus.h"
+#include "bench/computations.h"
 #include "bench/footprint.h"
 #include "bench/logs.h"
 #include "bench/servers.h"
@@ -24,7 +25,8 @@ struct Part
   void (*measure)(bench::Rounds& rounds, bool quick);
 };
 
-constexpr Part kParts[] = {{"round-trips", bench::measure_round_trips},
+constexpr Part kParts[] = {{"computations", bench::measure_computations},
+                           {"round-trips", bench::measure_round_trips},
                            {"flood", bench::measure_flood},
                            {"many", bench::measure_many},
                            {"footprint", bench::measure_footprint},
@@ -45,7 +47,8 @@ std::optional<int> serve(const std::vector<std::string>& words)
 int measure(int argc, char** argv)
 {
   CLI::App app{
-      "bench measures the daemon on a bus of its own, in interleaved rounds, and prints medians over the rounds.\n"
+      "bench measures computations, and the daemon on a bus of its own, in interleaved rounds, and prints medians over "
+      "the rounds.\n"
       "To be run by tools/private-network.",
       "bench"};
   int number = 7;

@@ -1,0 +1,320 @@
+#include "bench/computations.h"
+
+#include "bench/peers.h"
+#include "udwadia_kalaba.h"
+
+#include "client/files.h"
+#include "client/gait.h"
+#include "client/trajectory.h"
+#include "daemon/answer.h"
+#include "planar/dynamics.h"
+#include "torque/elimination.h"
+
+#include <algorithm>
+#include <benchmark/benchmark.h>
+#include <chrono>
+#include <cmath>
+#include <memory>
+#include <stdexcept>
+#include <string>
+
+namespace torqued::bench
+{
+
+namespace
+{
+
+// A walk of a robot: so many samples that no branch is foreseen because the same one came before.
+struct Walk
+{
+  Robot robot;
+  std::vector<DesiredState> single, both;
+
+  explicit Walk(const std::string& name) : robot(load_robot(name))
+  {
+    name == "human-subject01" ? measured() : generated();
+  }
+
+private:
+  void add(const DesiredState& state)
+  {
+    const bool double_support =
+        state.support.of(Side::left) != Contact::none && state.support.of(Side::right) != Contact::none;
+    (double_support ? both : single).push_back(state);
+  }
+  void measured()
+  {
+    const std::string file = TRAJECTORIES "/subject01-walk/walk.csv";
+    const Trajectory walk = parse_trajectory(read_file(file), file, coordinate_names(robot), false, Channels());
+    std::vector<std::byte> buffer;
+    for (const desired_state_t& state : walk.states)
+      add(std::get<DesiredState>(decode_desired_state(encode(state, buffer), robot)));
+  }
+  void generated()
+  {
+    const Gait gait(robot, default_gait(robot));
+    constexpr int samples = 60;
+    for (const GaitPhase& phase : gait.phases())
+      for (int i = 0; i < samples; ++i)
+        add(gait.at(phase.begin + (phase.end - phase.begin) * (i + 0.5) / samples, phase));
+  }
+};
+
+// goes round and round
+template <typename T> class Cycle
+{
+public:
+  explicit Cycle(const std::vector<T>& all) : all_(all) {}
+  const T& next()
+  {
+    if (++at_ >= all_.size())
+      at_ = 0;
+    return all_[at_];
+  }
+
+private:
+  const std::vector<T>& all_;
+  std::size_t at_ = 0;
+};
+
+void answers(benchmark::State& state, const Walk& walk, Method method)
+{
+  AnswerSettings settings;
+  settings.methods.method = method;
+  StreamMemory memory;
+  Cycle states(method == Method::none ? walk.single : walk.both);
+  for (auto _ : state)
+  {
+    const Result<Answer> answered = answer(walk.robot, settings, states.next(), memory);
+    if (!std::holds_alternative<Answer>(answered))
+      state.SkipWithError("a sample was refused");
+    benchmark::DoNotOptimize(&answered);
+  }
+}
+
+// as many as the robot has directions, one at a time by libm: what any computation of this robot begins with
+void sines_and_cosines(benchmark::State& state, const Walk& walk)
+{
+  const int count = walk.robot.mechanism.num_directions();
+  Cycle states(walk.single);
+  std::array<double, 2 * kMaxDirections> e;
+  for (auto _ : state)
+  {
+    const VectorQ& q = states.next().q;
+    for (int k = 0; k < count; ++k)
+    {
+      const auto at = static_cast<std::size_t>(2 * k);
+      e[at] = std::cos(q(k % q.size()));
+      e[at + 1] = std::sin(q(k % q.size()));
+    }
+    benchmark::DoNotOptimize(e);
+  }
+}
+
+std::pair<Motion, Support> middle_of_double_support(const Walk& walk)
+{
+  const DesiredState& desired = walk.both[walk.both.size() / 2];
+  return {std::get<Motion>(complete_motion(walk.robot, desired)), desired.support};
+}
+
+void matrices(benchmark::State& state, const Walk& walk)
+{
+  std::vector<std::pair<Motion, Support>> motions;
+  for (const DesiredState& desired : walk.both)
+    motions.emplace_back(std::get<Motion>(complete_motion(walk.robot, desired)), desired.support);
+  Cycle cycle(motions);
+  for (auto _ : state)
+  {
+    const auto& [motion, support] = cycle.next();
+    benchmark::DoNotOptimize(equation_of_motion(walk.robot, motion, support, Coordinates::absolute));
+  }
+}
+
+// by F: z'' from the reduced equation, then a = F z'' + Ḟ z'
+void reduced_acceleration(benchmark::State& state, const Walk& walk)
+{
+  const auto& [motion, support] = middle_of_double_support(walk);
+  const EquationOfMotion equation = equation_of_motion(walk.robot, motion, support, Coordinates::absolute);
+  for (auto _ : state)
+  {
+    const Elimination found =
+        std::get<Elimination>(eliminate(equation.J, equation.Jdot, EliminationMethod::partitioning));
+    const ReducedForm reduced = reduced_form(equation, found);
+    const VectorQ rates = motion.v(found.independent);
+    const VectorQ accelerations = reduced.mass.llt().solve(-reduced.gravity - reduced.coriolis * rates);
+    const VectorQ a = found.F * accelerations + found.Fdot * rates;
+    benchmark::DoNotOptimize(&a);
+  }
+}
+
+void udwadia_and_kalaba(benchmark::State& state, const Walk& walk)
+{
+  const auto& [motion, support] = middle_of_double_support(walk);
+  const EquationOfMotion equation = equation_of_motion(walk.robot, motion, support, Coordinates::absolute);
+  const VectorJ torque = VectorJ::Zero(walk.robot.num_joints());
+  for (auto _ : state)
+    benchmark::DoNotOptimize(udwadia_kalaba(equation, torque));
+}
+
+void elimination(benchmark::State& state, const Walk& walk, EliminationMethod method)
+{
+  const auto& [motion, support] = middle_of_double_support(walk);
+  const EquationOfMotion equation = equation_of_motion(walk.robot, motion, support, Coordinates::absolute);
+  for (auto _ : state)
+    benchmark::DoNotOptimize(eliminate(equation.J, equation.Jdot, method));
+}
+
+void other_engine(benchmark::State& state, Peer& peer, int motions)
+{
+  int motion = 0;
+  for (auto _ : state)
+  {
+    peer.compute(motion);
+    motion = motion + 1 < motions ? motion + 1 : 0;
+  }
+}
+
+// One call after another, each timed by itself: what a batch does not tell is how the slow ones compare.
+void call_by_call(const Walk& walk, const std::string& robot, Method method, const std::string& name, Rounds& rounds,
+                  bool quick)
+{
+  const std::vector<DesiredState>& states = method == Method::none ? walk.single : walk.both;
+  AnswerSettings settings;
+  settings.methods.method = method;
+  StreamMemory memory;
+  std::vector<double> ns;
+  for (int pass = quick ? 1 : 20; pass > 0; --pass)
+    for (const DesiredState& state : states)
+    {
+      const auto begin = std::chrono::steady_clock::now();
+      const Result<Answer> answered = answer(walk.robot, settings, state, memory);
+      ns.push_back(std::chrono::duration<double, std::nano>(std::chrono::steady_clock::now() - begin).count());
+      benchmark::DoNotOptimize(&answered);
+    }
+  std::sort(ns.begin(), ns.end());
+  const std::string group = robot + ", call by call";
+  rounds.add(group, name + " p50", "ns", ns[ns.size() / 2]);
+  rounds.add(group, name + " p99", "ns", ns[ns.size() * 99 / 100]);
+}
+
+// keeps the times of one round; a benchmark's name is GROUP/NAME
+class Keeper : public benchmark::BenchmarkReporter
+{
+public:
+  explicit Keeper(Rounds& rounds) : rounds_(rounds) {}
+  bool ReportContext(const Context&) override { return true; }
+  void ReportRuns(const std::vector<Run>& runs) override
+  {
+    for (const Run& run : runs)
+    {
+      if (run.error_occurred)
+        throw std::runtime_error(run.benchmark_name() + ": " + run.error_message);
+      const std::string& name = run.run_name.function_name;
+      const std::size_t slash = name.find('/');
+      rounds_.add(name.substr(0, slash), name.substr(slash + 1), "ns", run.GetAdjustedRealTime());
+    }
+  }
+
+private:
+  Rounds& rounds_;
+};
+
+// The robots, and the engines that were told of them.
+struct Subject
+{
+  Walk walk;
+  std::string name;
+  std::vector<std::unique_ptr<Peer>> peers;
+
+  explicit Subject(const std::string& robot) : walk(robot), name(robot)
+  {
+    peers.push_back(make_mujoco(walk.robot));
+    peers.push_back(make_dart(walk.robot));
+    peers.push_back(make_kdl(walk.robot));
+    for (const std::unique_ptr<Peer>& peer : peers)
+      for (const DesiredState& state : walk.single)
+      {
+        const Motion motion = std::get<Motion>(complete_motion(walk.robot, state));
+        VectorQ q = state.q;
+        q.tail<2>() = motion.now.base;
+        peer->compute(peer->remember(q, motion.v, motion.a));
+        const VectorQ ours = inverse_dynamics(walk.robot.mechanism, motion.now, motion.a);
+        if (!(peer->generalized_force() - ours).isZero(1e-9 * walk.robot.weight()))
+          throw std::runtime_error(std::string(peer->name()) + " computes other forces than we do");
+      }
+  }
+};
+
+const std::vector<std::unique_ptr<Subject>>& subjects()
+{
+  static const std::vector<std::unique_ptr<Subject>> all = []
+  {
+    std::vector<std::unique_ptr<Subject>> subjects;
+    for (const char* robot : {"ck", "rk", "human-subject01"})
+      subjects.push_back(std::make_unique<Subject>(robot));
+    return subjects;
+  }();
+  return all;
+}
+
+void register_all(double seconds)
+{
+  const auto add = [seconds](const std::string& group, std::string_view name, const auto& function)
+  {
+    benchmark::RegisterBenchmark((group + "/" + std::string(name)).c_str(), function)->MinTime(seconds);
+  };
+  for (const std::unique_ptr<Subject>& subject : subjects())
+  {
+    const Walk* const walk = &subject->walk;
+    add(subject->name, "sines and cosines", [walk](benchmark::State& state) { sines_and_cosines(state, *walk); });
+    add(subject->name, "single support", [walk](benchmark::State& state) { answers(state, *walk, Method::none); });
+    for (const NamedMethod& known : kMethods)
+      add(subject->name, known.name,
+          [walk, method = known.method](benchmark::State& state) { answers(state, *walk, method); });
+    add(subject->name, "M, C, g, B, J", [walk](benchmark::State& state) { matrices(state, *walk); });
+    for (const std::unique_ptr<Peer>& peer : subject->peers)
+      add(subject->name, peer->name(),
+          [walk, &peer](benchmark::State& state)
+          { other_engine(state, *peer, static_cast<int>(walk->single.size())); });
+  }
+  // double support of the measured walk: 3 coordinates are free of 9
+  const Walk* const walk = &subjects().back()->walk;
+  const std::string group = "free coordinates, human-subject01";
+  for (const NamedElimination& known : kEliminations)
+    add(group, "F, Fdot, F_bar: " + std::string(known.name),
+        [walk, method = known.method](benchmark::State& state) { elimination(state, *walk, method); });
+  add(group, "acceleration, reduced", [walk](benchmark::State& state) { reduced_acceleration(state, *walk); });
+  add(group, "acceleration, Udwadia-Kalaba", [walk](benchmark::State& state) { udwadia_and_kalaba(state, *walk); });
+}
+
+void promise_all(const std::string& robot, const std::string& mujoco, Rounds& rounds)
+{
+  rounds.promise({robot, "single support", mujoco, 1.0 / 12.0});
+  rounds.promise({robot, "single support", "sines and cosines", 2.5});
+  for (const NamedMethod& known : kMethods)
+    rounds.promise({robot, std::string(known.name), "single support", known.method == Method::constrained ? 4.0 : 2.0});
+  rounds.promise({robot + ", call by call", "constrained p99", "single support p50", 10.0});
+}
+
+} // namespace
+
+void measure_computations(Rounds& rounds, bool quick)
+{
+  static const bool registered = [quick]
+  {
+    register_all(quick ? 0.001 : 0.05);
+    return true;
+  }();
+  static_cast<void>(registered);
+  flush_denormals();
+  Keeper keeper(rounds);
+  benchmark::RunSpecifiedBenchmarks(&keeper);
+  for (const std::unique_ptr<Subject>& subject : subjects())
+  {
+    call_by_call(subject->walk, subject->name, Method::none, "single support", rounds, quick);
+    call_by_call(subject->walk, subject->name, Method::constrained, "constrained", rounds, quick);
+    promise_all(subject->name, std::string(subject->peers.front()->name()), rounds);
+  }
+}
+
+} // namespace torqued::bench
