@@ -44,17 +44,17 @@ std::optional<Refusal> apply_limits(const Robot& robot, const AnswerSettings& se
 {
   constexpr double rounding = 1.0 + 1e-9;
   const bool follows = memory.answered && memory.stream_id == desired.stream_id && memory.utime < desired.utime;
-  std::int64_t elapsed = 0;
+  std::int64_t elapsed = 1;
   if (follows && __builtin_sub_overflow(desired.utime, memory.utime, &elapsed))
     elapsed = std::numeric_limits<std::int64_t>::max();
   const double dt = 1e-6 * static_cast<double>(elapsed);
   bool in_limits = true;
-  for (int j = 0; j < robot.num_joints(); ++j)
+  const double* now = torque.data();
+  const double* before = follows ? memory.torque.data() : now; // of no change, if it follows none
+  for (const Actuator& actuator : robot.actuators)
   {
-    const Actuator& actuator = robot.actuators[static_cast<std::size_t>(j)];
-    in_limits &= std::abs(torque(j)) <= actuator.torque_limit;
-    if (follows)
-      in_limits &= std::abs(torque(j) - memory.torque(j)) <= actuator.rate_limit * dt;
+    in_limits &= std::abs(*now) <= actuator.torque_limit;
+    in_limits &= std::abs(*now++ - *before++) <= actuator.rate_limit * dt;
   }
   if (in_limits)
     return {};
@@ -145,9 +145,11 @@ Result<Answer> answer_motion(const Robot& robot, const AnswerSettings& settings,
   answer.method = solution.method;
   for (std::size_t side = 0; side < 2; ++side)
   {
+    const Contact contact = desired.support.contact[side];
+    if (contact == Contact::none)
+      continue;
     answer.ground[side] = ground_reaction(robot, robot.feet[side], equations.feet[side], solution.ground[side]);
-    flags |= contact_flags(robot, robot.feet[side], equations.feet[side], desired.support.contact[side],
-                           solution.ground[side]);
+    flags |= contact_flags(robot, robot.feet[side], equations.feet[side], contact, solution.ground[side]);
   }
   flags |= solution.clamped ? flag::clamped : 0;
   flags |= solution.relaxed ? flag::relaxed : 0;

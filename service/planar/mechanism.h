@@ -44,10 +44,10 @@ using MatrixD = Bounded<kMaxDirections, kMaxDirections>;
 /// One plane vector per direction, as columns.
 using PlaneVectors = Eigen::Matrix<double, 2, Eigen::Dynamic, 0, 2, kMaxDirections>;
 
-/// r turned by +90°.
+/// r turned by +90°: (−r_z, r_x).
 inline Eigen::Vector2d perp(const Eigen::Vector2d& r)
 {
-  return {-r.y(), r.x()};
+  return r.reverse().cwiseProduct(Eigen::Vector2d(-1.0, 1.0));
 }
 
 /// R(φ) r, with e = (cos φ, sin φ).
@@ -128,8 +128,10 @@ public:
   VectorD of_directions(const VectorQ& theta) const
   {
     VectorD x(num_directions());
-    x.head(num_theta()) = theta.head(num_theta());
-    x.tail(num_directions() - num_theta()).setZero();
+    for (int c = 0; c < num_theta(); ++c)
+      x(c) = theta(c);
+    for (int bar = num_theta(); bar < num_directions(); ++bar)
+      x(bar) = 0.0;
     for (const Entry& share : shares_of_bars_)
       x(share.row) += share.value * theta(share.column);
     return x;

@@ -626,16 +626,18 @@ VectorQ joint_forces(const Robot& robot, const VectorJ& torque)
 
 VectorJ joint_torques(const Robot& robot, const VectorQ& force)
 {
-  // four rows at a time, because a number of columns known to the compiler is what makes small products fast
-  VectorJ torque(kMaxJoints);
-  for (int j = 0; j < robot.num_joints(); j += 4)
+  // eight rows at a time, because a number of rows known to the compiler is what makes small products fast; the storage
+  // goes on to the end of the last eight
+  using Eight = Eigen::Matrix<double, 8, 1>;
+  static_assert(kMaxJoints % Eight::SizeAtCompileTime == 0);
+  VectorJ torque(robot.num_joints());
+  for (int j = 0; j < robot.num_joints(); j += 8)
   {
-    Eigen::Vector4d sum = Eigen::Vector4d::Zero();
+    Eight sum = Eight::Zero();
     for (int c = 0; c < robot.mechanism.num_theta(); ++c)
-      sum += force(c) * robot.B_inverse.block<4, 1>(j, c);
-    torque.segment<4>(j) = sum;
+      sum += force(c) * robot.B_inverse.block<8, 1>(j, c);
+    Eigen::Map<Eight>(torque.data() + j) = sum;
   }
-  torque.conservativeResize(robot.num_joints());
   return torque;
 }
 

@@ -84,47 +84,45 @@ Jacobian contact_rows_rate(const Robot& robot, const Kinematics& now, const Supp
   return Jdot;
 }
 
-FootPose foot_pose(const Robot& robot, const Kinematics& now, const Foot& foot)
+void stand(const Robot& robot, const Kinematics& now, const VectorD& turn, const Support& support, StandingFeet& feet)
 {
-  const Eigen::Vector2d e = now.e.col(foot.direction);
-  const Eigen::Vector2d ankle = position(now, foot.ankle);
-  return {ankle, ankle + rotate(e, foot.to_heel), ankle + rotate(e, foot.to_toe),
-          rotate(robot.link(foot.link).heading, e)};
-}
-
-Bounded<kMaxJoints, 6> contact_torques(const Robot& robot, const Kinematics& now, const Support& support)
-{
-  // four rows at a time, as in joint_torques()
-  Bounded<kMaxJoints, 6> torques(kMaxJoints, support.wrench_components());
-  const auto& of_moments = robot.torques_of_moments;
   for (const Side side : kSides)
   {
     const Contact contact = support.of(side);
     if (contact == Contact::none)
       continue;
     const Foot& foot = robot.foot(side);
-    const Point& point = contact_point(foot, contact);
-    const int column = support.row(side);
-    for (int j = 0; j < robot.num_joints(); j += 4)
+    StandingFoot& standing = feet[static_cast<std::size_t>(side)];
+
+    // Σ r, Σ φ̇ r, Σ φ̇² r, Σ φ̈ r of the arms, and of the way from ankle to heel or toe
+    Eigen::Vector2d p = Eigen::Vector2d::Zero(), v = p, centripetal = p, a = p;
+    const auto add = [&](int direction, const Eigen::Vector2d& r)
     {
-      Eigen::Vector4d fx = Eigen::Vector4d::Zero(), fz = fx;
-      for (const Arm& arm : point)
-      {
-        const Eigen::Vector2d r = rotate(now.e.col(arm.direction), arm.r);
-        const Eigen::Vector4d unit = of_moments.block<4, 1>(j, arm.direction);
-        fx -= r.y() * unit;
-        fz += r.x() * unit;
-      }
-      torques.block<4, 1>(j, column) = fx;
-      torques.block<4, 1>(j, column + 1) = fz;
-      if (contact == Contact::sole)
-        torques.block<4, 1>(j, column + 2) = of_moments.block<4, 1>(j, foot.direction);
+      const double rate = now.rate(direction);
+      p += r;
+      v += rate * r;
+      centripetal += rate * rate * r;
+      a += turn(direction) * r;
+    };
+    standing.arms.resize(2, static_cast<Eigen::Index>(foot.ankle.size()));
+    int i = 0;
+    for (const Arm& arm : foot.ankle)
+    {
+      const Eigen::Vector2d r = rotate(now.e.col(arm.direction), arm.r);
+      standing.arms.col(i++) = r;
+      add(arm.direction, r);
     }
+    standing.ankle = p;
+    if (contact != Contact::sole)
+      add(foot.direction, rotate(now.e.col(foot.direction), contact == Contact::heel ? foot.to_heel : foot.to_toe));
+    standing.point = p;
+    standing.velocity = perp(v);
+    standing.acceleration = perp(a) - centripetal;
   }
-  return torques.topRows(robot.num_joints());
 }
 
-Result<BaseMotion> base_motion(const Robot& robot, const DesiredState& desired, const VectorD& turn, Kinematics& now)
+Result<BaseMotion> base_motion(const Robot& robot, const DesiredState& desired, const VectorD& turn, Kinematics& now,
+                               StandingFeet& feet)
 {
   const Support& support = desired.support;
   if (const auto refusal = check_contacts(robot, support))
@@ -136,27 +134,25 @@ Result<BaseMotion> base_motion(const Robot& robot, const DesiredState& desired, 
     return Refusal(Reason::not_supported,
                    "base is FROM_CONTACT (0), but neither foot has contact: in flight the base must "
                    "be GIVEN (1)");
+  stand(robot, now, turn, support, feet);
   if (desired.base_given)
     return BaseMotion{desired.v.tail<2>(), desired.a.tail<2>()};
 
-  // the resting point at x = 0, the point of the sole below the ankle, or the contact point, at z = 0
+  // the resting point at x = 0, the point of the sole below the ankle, or the contact point, at z = 0, and at rest
   const Side side = resting_side(robot, support);
-  const Foot& foot = robot.foot(side);
-  const Contact contact = support.of(side);
-  const Point& point = contact_point(foot, contact);
-  now.base = -from_base(now, point);
-  if (contact == Contact::sole)
+  const StandingFoot& standing = feet[static_cast<std::size_t>(side)];
+  now.base = -standing.point;
+  if (const Foot& foot = robot.foot(side); support.of(side) == Contact::sole)
     now.base.y() += foot.ankle_height() * heading(robot.link(foot.link), now).x();
-
-  // 0 = J v and 0 = J a + J̇ v at the resting point
-  const Eigen::Vector2d still = Eigen::Vector2d::Zero();
-  return BaseMotion{-velocity(now, point, still), -acceleration(now, point, turn, still)};
+  return BaseMotion{-standing.velocity, -standing.acceleration};
 }
 
 Result<Motion> complete_motion(const Robot& robot, const DesiredState& desired)
 {
   Motion motion{kinematics(robot.mechanism, desired.q, desired.v), desired.v, desired.a};
-  const Result<BaseMotion> base = base_motion(robot, desired, robot.mechanism.of_directions(desired.a), motion.now);
+  StandingFeet feet;
+  const Result<BaseMotion> base =
+      base_motion(robot, desired, robot.mechanism.of_directions(desired.a), motion.now, feet);
   if (const Refusal* refusal = std::get_if<Refusal>(&base))
     return *refusal;
   motion.v.tail<2>() = std::get<BaseMotion>(base).velocity;

@@ -57,11 +57,40 @@ struct FootPose
   }
 };
 
-/// Requires: the foot exists.
-FootPose foot_pose(const Robot& robot, const Kinematics& now, const Foot& foot);
+/// Requires: the foot exists. ankle: where it is in W, m.
+inline FootPose foot_pose(const Robot& robot, const Kinematics& now, const Foot& foot, const Eigen::Vector2d& ankle)
+{
+  const Eigen::Vector2d e = now.e.col(foot.direction);
+  return {ankle, ankle + rotate(e, foot.to_heel), ankle + rotate(e, foot.to_toe),
+          rotate(robot.link(foot.link).heading, e)};
+}
+inline FootPose foot_pose(const Robot& robot, const Kinematics& now, const Foot& foot)
+{
+  return foot_pose(robot, now, foot, position(now, foot.ankle));
+}
 
-/// B⁺ Jᵀ: joints × wrench_components(). Requires: check_contacts().
-Bounded<kMaxJoints, 6> contact_torques(const Robot& robot, const Kinematics& now, const Support& support);
+/// The wrench (N, N m) of the ground on one foot: force, and moment about the ankle.
+struct Wrench
+{
+  double fx = 0.0, fz = 0.0, moment = 0.0;
+};
+
+/// A foot in contact, as seen from the base point: all that its leg's arms are turned into W for.
+struct StandingFoot
+{
+  StandingFoot() {} // sets no numbers, because zeros are not free
+
+  PlaneVectors arms;     ///< R(φ) r of foot.ankle's arms, in their order, m
+  Eigen::Vector2d ankle; ///< from the base point, m
+  /// Of where the contact's force acts, from the base point and against it: m, m/s, m/s².
+  Eigen::Vector2d point, velocity, acceleration;
+};
+
+/// Both feet, indexed by Side; not set where there is no contact.
+using StandingFeet = std::array<StandingFoot, 2>;
+
+/// turn: φ̈ of every direction, rad/s². Requires: check_contacts().
+void stand(const Robot& robot, const Kinematics& now, const VectorD& turn, const Support& support, StandingFeet& feet);
 
 /// How the base point moves.
 struct BaseMotion
@@ -75,9 +104,10 @@ struct BaseMotion
 /// toe; in double support the ankle of the foot on its sole, or of the trailing foot when both or neither are on their
 /// soles (there its contact point). It is put at x = 0, with the sole or the contact point at z = 0.
 ///
-/// turn: φ̈ of every direction, rad/s².
+/// turn: φ̈ of every direction, rad/s². feet: set as by stand().
 /// Refuses, not_supported: what check_contacts() does; flight without a given base; a given base of a fixed root.
-Result<BaseMotion> base_motion(const Robot& robot, const DesiredState& desired, const VectorD& turn, Kinematics& now);
+Result<BaseMotion> base_motion(const Robot& robot, const DesiredState& desired, const VectorD& turn, Kinematics& now,
+                               StandingFeet& feet);
 
 /// A desired state whose base is known.
 struct Motion

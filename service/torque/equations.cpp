@@ -22,27 +22,25 @@ double wrapped(double angle)
 
 Result<SupportEquations> support_equations(const Robot& robot, const DesiredState& desired)
 {
-  Result<SupportEquations> result(std::in_place_type<SupportEquations>);
+  const Mechanism& mechanism = robot.mechanism;
+  const Support& support = desired.support;
+  Result<SupportEquations> result(std::in_place_type<SupportEquations>, mechanism, desired);
   SupportEquations& equations = std::get<SupportEquations>(result);
   Kinematics& now = equations.now;
-  now = kinematics(robot.mechanism, desired.q, desired.v);
-  equations.turn = robot.mechanism.of_directions(desired.a);
-  const Result<BaseMotion> completed = base_motion(robot, desired, equations.turn, now);
+  const Result<BaseMotion> completed = base_motion(robot, desired, equations.turn, now, equations.standing);
   if (const Refusal* refusal = std::get_if<Refusal>(&completed))
   {
     result = *refusal;
     return result;
   }
-  const auto& [base_velocity, base_acceleration] = std::get<BaseMotion>(completed);
-  equations.base_acceleration = base_acceleration;
-  const Support& support = desired.support;
-  const int size = robot.mechanism.num_theta();
+  const BaseMotion& base = std::get<BaseMotion>(completed);
+  equations.base_acceleration = base.acceleration;
 
-  equations.r = inverse_dynamics(robot.mechanism, now, equations.turn, base_acceleration);
+  equations.r = inverse_dynamics(mechanism, now, equations.turn, base.acceleration);
   equations.d.head<2>() = equations.r.tail<2>();
   equations.d(2) = robot.turning.dot(equations.r);
   if (robot.joint_friction)
-    equations.r.head(size) += joint_forces(robot, joint_friction(robot, desired.v, desired.a));
+    equations.r.head(mechanism.num_theta()) += joint_forces(robot, joint_friction(robot, desired.v, desired.a));
 
   equations.contact_speed = 0.0;
   equations.contact_residual = 0.0;
@@ -52,13 +50,14 @@ Result<SupportEquations> support_equations(const Robot& robot, const DesiredStat
     const Contact contact = support.of(side);
     if (contact == Contact::none)
       continue;
-    const Foot& foot = robot.foot(side);
-    equations.feet[static_cast<std::size_t>(side)] = foot_pose(robot, now, foot);
+    const auto index = static_cast<std::size_t>(side);
+    const Foot& foot = robot.feet[index];
+    const StandingFoot& standing = equations.standing[index];
+    equations.feet[index] = foot_pose(robot, now, foot, now.base + standing.ankle);
 
     // what should be at rest
-    const Point& point = contact_point(foot, contact);
-    Eigen::Vector2d speed = velocity(now, point, base_velocity).cwiseAbs();
-    Eigen::Vector2d residual = acceleration(now, point, equations.turn, base_acceleration).cwiseAbs();
+    Eigen::Vector2d speed = (base.velocity + standing.velocity).cwiseAbs();
+    Eigen::Vector2d residual = (base.acceleration + standing.acceleration).cwiseAbs();
     if (contact == Contact::sole)
     {
       const double tilt = wrapped(desired.q(foot.direction) + robot.link(foot.link).direction_angle);
@@ -73,25 +72,59 @@ Result<SupportEquations> support_equations(const Robot& robot, const DesiredStat
 }
 
 VectorQ left_for_motors(const Robot& robot, const SupportEquations& equations, const Support& support,
-                        const WrenchVector& w)
+                        const std::array<Wrench, 2>& ground)
 {
   VectorQ rest = equations.r;
+  for (const Side side : kSides)
+  {
+    if (support.of(side) == Contact::none)
+      continue;
+    const auto index = static_cast<std::size_t>(side);
+    const Foot& foot = robot.feet[index];
+    const Eigen::Vector2d force(ground[index].fx, ground[index].fz);
+    int i = 0;
+    for (const Arm& arm : foot.ankle)
+      robot.mechanism.add_from_direction(arm.direction, -cross(equations.standing[index].arms.col(i++), force), rest);
+    robot.mechanism.add_from_direction(foot.direction, -ground[index].moment, rest);
+    rest.tail<2>() -= force;
+  }
+  return rest;
+}
+
+Bounded<kMaxJoints, 6> contact_torques(const Robot& robot, const SupportEquations& equations, const Support& support)
+{
+  // four rows at a time, as in joint_torques()
+  Bounded<kMaxJoints, 6> torques(kMaxJoints, support.wrench_components());
+  const auto& of_moments = robot.torques_of_moments;
   for (const Side side : kSides)
   {
     const Contact contact = support.of(side);
     if (contact == Contact::none)
       continue;
-    const Foot& foot = robot.foot(side);
-    const int row = support.row(side);
-    const Eigen::Vector2d force = w.segment<2>(row);
-    for (const Arm& arm : contact_point(foot, contact))
-      robot.mechanism.add_from_direction(arm.direction,
-                                         -cross(rotate(equations.now.e.col(arm.direction), arm.r), force), rest);
-    if (contact == Contact::sole)
-      robot.mechanism.add_from_direction(foot.direction, -w(row + 2), rest);
-    rest.tail<2>() -= force;
+    const auto index = static_cast<std::size_t>(side);
+    const Foot& foot = robot.feet[index];
+    const StandingFoot& standing = equations.standing[index];
+    const Eigen::Vector2d from_ankle = standing.point - standing.ankle;
+    const int column = support.row(side);
+    for (int j = 0; j < robot.num_joints(); j += 4)
+    {
+      const Eigen::Vector4d moment = of_moments.block<4, 1>(j, foot.direction);
+      Eigen::Vector4d fx = -from_ankle.y() * moment, fz = from_ankle.x() * moment;
+      int i = 0;
+      for (const Arm& arm : foot.ankle)
+      {
+        const Eigen::Vector2d r = standing.arms.col(i++);
+        const Eigen::Vector4d unit = of_moments.block<4, 1>(j, arm.direction);
+        fx -= r.y() * unit;
+        fz += r.x() * unit;
+      }
+      torques.block<4, 1>(j, column) = fx;
+      torques.block<4, 1>(j, column + 1) = fz;
+      if (contact == Contact::sole)
+        torques.block<4, 1>(j, column + 2) = moment;
+    }
   }
-  return rest;
+  return torques.topRows(robot.num_joints());
 }
 
 } // namespace torqued

@@ -19,6 +19,11 @@ namespace torqued
 struct SupportEquations
 {
   SupportEquations() {} // sets nothing: zeros would cost as much as the equations
+  /// Begins with the pose, its rates, and φ̈.
+  SupportEquations(const Mechanism& mechanism, const DesiredState& desired)
+      : now(kinematics(mechanism, desired.q, desired.v)), turn(mechanism.of_directions(desired.a))
+  {
+  }
 
   VectorQ r;         ///< the generalized force that the motion needs
   Eigen::Vector3d d; ///< (F_x, F_z, M about the base point) that the ground must supply, N and N m
@@ -26,6 +31,7 @@ struct SupportEquations
   VectorD turn;                      ///< φ̈ of every direction, rad/s²
   Eigen::Vector2d base_acceleration; ///< m/s²
   std::array<FootPose, 2> feet;      ///< indexed by Side; not set without contact
+  StandingFeet standing;             ///< the same feet, as seen from the base point
 
   double contact_speed;    ///< largest |J v|: what should be at rest, m/s or rad/s
   double contact_residual; ///< largest |J a + J̇ v|, m/s² or rad/s²
@@ -39,8 +45,13 @@ struct SupportEquations
 };
 
 /// r − Jᵀ w: what is left for the motors, length num_q(). Its base rows are 0 if w meets (2).
+///
+/// ground: w about the ankles, indexed by Side.
 VectorQ left_for_motors(const Robot& robot, const SupportEquations& equations, const Support& support,
-                        const WrenchVector& w);
+                        const std::array<Wrench, 2>& ground);
+
+/// B⁺ Jᵀ: joints × wrench_components().
+Bounded<kMaxJoints, 6> contact_torques(const Robot& robot, const SupportEquations& equations, const Support& support);
 
 /// Builds the equations of a desired state. Refuses what complete_motion() refuses.
 Result<SupportEquations> support_equations(const Robot& robot, const DesiredState& desired);

@@ -89,7 +89,7 @@ AdmissibleReactions admissible_reactions(const Robot& robot, const SupportEquati
 ReactionTorques reaction_torques(const Robot& robot, const SupportEquations& equations, const Support& support,
                                  const AdmissibleReactions& all)
 {
-  const Bounded<kMaxJoints, 6> torques = contact_torques(robot, equations.now, support);
+  const Bounded<kMaxJoints, 6> torques = contact_torques(robot, equations, support);
   return {joint_torques(robot, equations.r) - torques * all.w0, -torques * all.Z};
 }
 

@@ -1,5 +1,6 @@
 #include "torque/torque_method.h"
 
+#include <algorithm>
 #include <cmath>
 
 namespace torqued
@@ -7,6 +8,24 @@ namespace torqued
 
 namespace
 {
+
+// each foot's wrench about its ankle
+std::array<Wrench, 2> about_ankles(const SupportEquations& equations, const Support& support, const WrenchVector& w)
+{
+  std::array<Wrench, 2> ground{};
+  for (const Side side : kSides)
+  {
+    const Contact contact = support.of(side);
+    if (contact == Contact::none)
+      continue;
+    const auto index = static_cast<std::size_t>(side);
+    const StandingFoot& foot = equations.standing[index];
+    const int row = support.row(side);
+    const double moment = contact == Contact::sole ? w(row + 2) : cross(foot.point - foot.ankle, w.segment<2>(row));
+    ground[index] = {w(row), w(row + 1), moment};
+  }
+  return ground;
+}
 
 // Refuses a motion that no reaction can serve.
 std::optional<Refusal> check_admissible(const Robot& robot, const Support& support, const AdmissibleReactions& all,
@@ -65,6 +84,14 @@ Result<Reactions> choose(const Robot& robot, const SupportEquations& equations, 
 
 } // namespace
 
+TorqueSolution::TorqueSolution(const Robot& robot, const SupportEquations& equations, const Support& support,
+                               Method used, const Reactions& reactions)
+    : method(used), clamped(reactions.clamped), relaxed(reactions.relaxed), w(reactions.w),
+      ground(about_ankles(equations, support, w)), rest(left_for_motors(robot, equations, support, ground)),
+      torque(joint_torques(robot, rest))
+{
+}
+
 std::string_view name_of(Method method)
 {
   for (const NamedMethod& known : kMethods)
@@ -93,43 +120,13 @@ Result<TorqueSolution> solve_torques(const Robot& robot, const SupportEquations&
   if (const auto refusal = check_admissible(robot, support, all, residual_tolerance))
     return *refusal;
 
-  Result<TorqueSolution> result(std::in_place_type<TorqueSolution>);
-  TorqueSolution& solution = std::get<TorqueSolution>(result);
-  solution.method = all.redundancy() == 0 ? Method::none : method == Method::none ? settings.method : method;
-  if (solution.method == Method::none)
-    solution.w = all.w0;
-  else
-  {
-    const Result<Reactions> chosen = choose(robot, equations, support, all, solution.method, settings);
-    if (const Refusal* refusal = std::get_if<Refusal>(&chosen))
-    {
-      result = *refusal;
-      return result;
-    }
-    const Reactions& reactions = std::get<Reactions>(chosen);
-    solution.w = reactions.w;
-    solution.clamped = reactions.clamped;
-    solution.relaxed = reactions.relaxed;
-  }
-  const WrenchVector& w = solution.w;
-
-  // τ = B⁺ (r − Jᵀ w)
-  solution.rest = left_for_motors(robot, equations, support, w);
-  solution.torque = joint_torques(robot, solution.rest);
-
-  // each foot's wrench about its ankle
-  for (const Side side : kSides)
-  {
-    const Contact contact = support.of(side);
-    if (contact == Contact::none)
-      continue;
-    const FootPose& foot = equations.foot(side);
-    const int row = support.row(side);
-    const double moment =
-        contact == Contact::sole ? w(row + 2) : cross(foot.point(contact) - foot.ankle, w.segment<2>(row));
-    solution.ground[static_cast<std::size_t>(side)] = {w(row), w(row + 1), moment};
-  }
-  return result;
+  const Method asked = method == Method::none ? settings.method : method;
+  const Method used = all.redundancy() == 0 ? Method::none : asked;
+  const Result<Reactions> chosen = choose(robot, equations, support, all, used, settings);
+  if (const Refusal* refusal = std::get_if<Refusal>(&chosen))
+    return *refusal;
+  return Result<TorqueSolution>(std::in_place_type<TorqueSolution>, robot, equations, support, used,
+                                std::get<Reactions>(chosen));
 }
 
 double dynamics_residual(const Robot& robot, const VectorQ& rest, const VectorJ& torque)
@@ -137,7 +134,10 @@ double dynamics_residual(const Robot& robot, const VectorQ& rest, const VectorJ&
   VectorQ left = rest;
   for (const Mechanism::Entry& share : robot.B)
     left(share.row) -= share.value * torque(share.column);
-  return left.cwiseAbs().maxCoeff();
+  double largest = 0.0;
+  for (const double force : left)
+    largest = std::max(largest, std::abs(force));
+  return largest;
 }
 
 } // namespace torqued

@@ -55,23 +55,19 @@ struct MethodSettings
 /// column for each motor.
 std::optional<std::string> complaint(const MethodSettings& settings, int num_joints);
 
-/// The wrench (N, N m) of the ground on one foot: force, and moment about the ankle.
-struct Wrench
-{
-  double fx = 0.0, fz = 0.0, moment = 0.0;
-};
-
 /// What makes the motion happen.
 struct TorqueSolution
 {
-  TorqueSolution() {} // sets no numbers, because zeros are not free
+  /// All that follows from the ground reactions, equation (3).
+  TorqueSolution(const Robot& robot, const SupportEquations& equations, const Support& support, Method method,
+                 const Reactions& reactions);
 
-  VectorJ torque;                        ///< N m, in the actuators' order
-  std::array<Wrench, 2> ground;          ///< indexed by Side; about the ankle, whatever the contact
-  WrenchVector w;                        ///< the same, in the order of the rows of J, about the contact points
-  VectorQ rest;                          ///< r − Jᵀ w
-  Method method;                         ///< none when nothing had to be chosen
-  bool clamped = false, relaxed = false; ///< of the Reactions
+  Method method;                ///< none when nothing had to be chosen
+  bool clamped, relaxed;        ///< of the Reactions
+  WrenchVector w;               ///< in the order of the rows of J, about the contact points
+  std::array<Wrench, 2> ground; ///< the same about the ankles, indexed by Side
+  VectorQ rest;                 ///< r − Jᵀ w
+  VectorJ torque;               ///< N m, in the actuators' order
 };
 
 /// Chooses w by the method that the support calls for, and computes the torques, equation (3).
