@@ -21,11 +21,11 @@ struct Solved
 Solved solve(const Robot& robot, DesiredState desired, const MethodSettings& settings = {})
 {
   desired.method = Method::linear_transition;
-  Solved solved{std::get<SupportEquations>(support_equations(robot, desired)), {}, {}};
-  const auto result = solve_torques(robot, solved.equations, desired.support, desired.method, settings, 1e-3);
+  const auto equations = std::get<SupportEquations>(support_equations(robot, desired));
+  const auto result = solve_torques(robot, equations, desired.support, desired.method, settings, 1e-3);
   if (const Refusal* refusal = std::get_if<Refusal>(&result))
     FAIL(std::string(refusal->detail()));
-  solved.solution = std::get<TorqueSolution>(result);
+  Solved solved{equations, std::get<TorqueSolution>(result), {}};
   for (std::size_t side = 0; side < 2; ++side)
     solved.ground[side] =
         ground_reaction(robot, robot.feet[side], solved.equations.feet[side], solved.solution.ground[side]);

@@ -44,7 +44,7 @@ std::optional<Refusal> apply_limits(const Robot& robot, const AnswerSettings& se
 {
   constexpr double rounding = 1.0 + 1e-9;
   const bool follows = memory.answered && memory.stream_id == desired.stream_id && memory.utime < desired.utime;
-  std::int64_t elapsed = 1;
+  std::int64_t elapsed = 1; // of no consequence if it follows none; 0 times an infinite limit would be no number
   if (follows && __builtin_sub_overflow(desired.utime, memory.utime, &elapsed))
     elapsed = std::numeric_limits<std::int64_t>::max();
   const double dt = 1e-6 * static_cast<double>(elapsed);

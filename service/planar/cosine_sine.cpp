@@ -21,8 +21,8 @@ constexpr double kHalfPi3 = 0x1.3198a2e037073p-69;
 // adding it rounds to a whole number, and leaves that in the last bits
 constexpr double kRounder = 0x1.8p52;
 
-// Polynomials in y = r² for |r| ≤ π/4, through the functions' values at Chebyshev's points: less than 2⁻⁵⁵ off. Even and
-// odd powers are summed apart, because each term waits for the one before.
+// Polynomials in y = r² for |r| ≤ π/4, through the functions' values at Chebyshev's points: less than 2⁻⁵⁵ off. Even
+// and odd powers are summed apart, because each term waits for the one before.
 double cosine_near_0(double y)
 {
   const double yy = y * y;
@@ -56,7 +56,9 @@ void cosines_and_sines(const VectorD& phi, PlaneVectors& e)
   // no step branches, so that the compiler does two angles at a time
   const double* const x = phi.data();
   double* const to = e.data();
+#if !defined(__clang__)
 #pragma GCC ivdep
+#endif
   for (int k = 0; k < count; ++k)
   {
     const double shifted = x[k] * M_2_PI + kRounder;

@@ -52,31 +52,6 @@ void point_jacobian(const Mechanism& mechanism, const Kinematics& now, const Poi
 void point_jacobian_rate(const Mechanism& mechanism, const Kinematics& now, const Point& point, int row,
                          Jacobian& Jdot);
 
-/// ṗ = J v of a point, m/s. base: velocity of the base point.
-inline Eigen::Vector2d velocity(const Kinematics& now, const Point& point, const Eigen::Vector2d& base)
-{
-  Eigen::Vector2d result = base;
-  for (const Arm& arm : point)
-    result += now.rate(arm.direction) * perp(rotate(now.e.col(arm.direction), arm.r));
-  return result;
-}
-
-/// p̈ = J a + J̇ v of a point, m/s².
-///
-/// acceleration: φ̈ = W θ̈ of every direction; base: that of the base point.
-inline Eigen::Vector2d acceleration(const Kinematics& now, const Point& point, const VectorD& acceleration,
-                                    const Eigen::Vector2d& base)
-{
-  Eigen::Vector2d result = base;
-  for (const Arm& arm : point)
-  {
-    const Eigen::Vector2d r = rotate(now.e.col(arm.direction), arm.r);
-    const double rate = now.rate(arm.direction);
-    result += acceleration(arm.direction) * perp(r) - rate * rate * r;
-  }
-  return result;
-}
-
 /// J̇ v of a point, m/s²: −Σ φ̇² R(φ) r.
 Eigen::Vector2d jacobian_rate_times_v(const Kinematics& now, const Point& point);
 

@@ -313,8 +313,7 @@ private:
     for (int joint = 0; joint < n; ++joint)
       for (int c = 0; c < size; ++c)
       {
-        if (const double share = robot.A(joint, c) * robot.kappa(joint); share != 0.0)
-          robot.B.push_back({c, joint, share});
+        robot.B(c, joint) = robot.A(joint, c) * robot.kappa(joint);
         robot.B_inverse(joint, c) = robot.A_inverse(c, joint) / robot.kappa(joint);
       }
     robot.turning.setZero(size + 2);
@@ -619,24 +618,46 @@ VectorJ joint_rates(const Robot& robot, const VectorQ& theta_rates)
 VectorQ joint_forces(const Robot& robot, const VectorJ& torque)
 {
   VectorQ force = VectorQ::Zero(robot.mechanism.num_theta());
-  for (const Mechanism::Entry& share : robot.B)
-    force(share.row) += share.value * torque(share.column);
+  for (int j = 0; j < robot.num_joints(); ++j)
+    force += torque(j) * robot.B.col(j).head(force.size());
   return force;
+}
+
+double largest_left(const Robot& robot, const VectorQ& force, const VectorJ& torque)
+{
+  // eight rows at a time, as in joint_torques(); then what is left, of which the base point's rows feel no motor
+  constexpr int block = 8;
+  const int size = static_cast<int>(force.size());
+  double largest = 0.0, total = 0.0;
+  int row = 0;
+  for (; row + block <= size; row += block)
+  {
+    Eigen::Matrix<double, block, 1> left = force.segment<block>(row);
+    for (int j = 0; j < robot.num_joints(); ++j)
+      left -= torque(j) * robot.B.block<block, 1>(row, j);
+    largest = std::max(largest, left.cwiseAbs().maxCoeff());
+    total += left.sum();
+  }
+  for (; row < size; ++row)
+  {
+    double left = force(row);
+    for (int j = 0; row < robot.mechanism.num_theta() && j < robot.num_joints(); ++j)
+      left -= torque(j) * robot.B(row, j);
+    largest = std::max(largest, std::abs(left));
+    total += left;
+  }
+  return largest + 0.0 * total; // no comparison sees what is not a number
 }
 
 VectorJ joint_torques(const Robot& robot, const VectorQ& force)
 {
-  // eight rows at a time, because a number of rows known to the compiler is what makes small products fast; the storage
-  // goes on to the end of the last eight
-  using Eight = Eigen::Matrix<double, 8, 1>;
-  static_assert(kMaxJoints % Eight::SizeAtCompileTime == 0);
   VectorJ torque(robot.num_joints());
-  for (int j = 0; j < robot.num_joints(); j += 8)
+  for (int j = 0; j < robot.num_joints(); j += kJointBlock)
   {
-    Eight sum = Eight::Zero();
+    JointBlock sum = JointBlock::Zero();
     for (int c = 0; c < robot.mechanism.num_theta(); ++c)
-      sum += force(c) * robot.B_inverse.block<8, 1>(j, c);
-    Eigen::Map<Eight>(torque.data() + j) = sum;
+      sum += force(c) * robot.B_inverse.block<kJointBlock, 1>(j, c);
+    Eigen::Map<JointBlock>(torque.data() + j) = sum; // the storage goes on to the end of the block
   }
   return torque;
 }

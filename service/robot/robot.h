@@ -26,6 +26,10 @@ inline constexpr std::size_t kLongestName = 32;
 bool is_name(std::string_view text);
 /// One number per actuator.
 using VectorJ = BoundedVector<kMaxJoints>;
+/// So many are computed at once, because a number of rows known to the compiler is what makes small products fast.
+inline constexpr int kJointBlock = 8;
+using JointBlock = Eigen::Matrix<double, kJointBlock, 1>;
+static_assert(kMaxJoints % kJointBlock == 0);
 
 enum class Side : std::int8_t
 {
@@ -173,9 +177,10 @@ struct Robot
   Mechanism mechanism;
   MatrixQ A = {}, A_inverse = {}; ///< with a fixed root's angle as last row and column; so is b
   VectorQ b = {};
-  VectorJ kappa = {};                   ///< of every actuator
-  VectorQ turning = {};                 ///< the rates of q when the whole robot turns about its base point
-  std::vector<Mechanism::Entry> B = {}; ///< of joint_forces(): rows of θ, columns of joints
+  VectorJ kappa = {};   ///< of every actuator
+  VectorQ turning = {}; ///< the rates of q when the whole robot turns about its base point
+  /// B of joint_forces(): rows of θ, columns of joints; the rest 0.
+  Eigen::Matrix<double, kMaxCoordinates, kMaxJoints> B = B.Zero();
   /// B⁺ of joint_torques(): rows of joints, columns of θ; the rest 0.
   Eigen::Matrix<double, kMaxJoints, kMaxCoordinates> B_inverse = B_inverse.Zero();
   /// B⁺ Wᵀ: the torques that give a moment about each direction.
@@ -209,7 +214,11 @@ VectorJ joint_rates(const Robot& robot, const VectorQ& theta_rates);
 /// B τ in the rows of θ: what torques τ do to the links, B = Aᵀ diag(κ).
 VectorQ joint_forces(const Robot& robot, const VectorJ& torque);
 
-/// B⁺ f: the torques that give f, if any do; else all rows but a floating root's are met.
+/// The largest component of f − B τ, f of length num_q(); not a number if one is not.
+double largest_left(const Robot& robot, const VectorQ& force, const VectorJ& torque);
+
+/// B⁺ f: the torques that give f, if any do; else all rows but a floating root's are met. In the storage of what is
+/// returned zeros follow up to the end of the last block of joints; a copy has none.
 VectorJ joint_torques(const Robot& robot, const VectorQ& force);
 
 /// B: the whole matrix, num_q() × num_joints(); the rows of the base point are zero.

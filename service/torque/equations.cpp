@@ -91,10 +91,10 @@ VectorQ left_for_motors(const Robot& robot, const SupportEquations& equations, c
   return rest;
 }
 
-Bounded<kMaxJoints, 6> contact_torques(const Robot& robot, const SupportEquations& equations, const Support& support)
+Eigen::Matrix<double, kMaxJoints, Eigen::Dynamic, 0, kMaxJoints, 6>
+contact_torques(const Robot& robot, const SupportEquations& equations, const Support& support)
 {
-  // four rows at a time, as in joint_torques()
-  Bounded<kMaxJoints, 6> torques(kMaxJoints, support.wrench_components());
+  Eigen::Matrix<double, kMaxJoints, Eigen::Dynamic, 0, kMaxJoints, 6> torques(kMaxJoints, support.wrench_components());
   const auto& of_moments = robot.torques_of_moments;
   for (const Side side : kSides)
   {
@@ -106,25 +106,25 @@ Bounded<kMaxJoints, 6> contact_torques(const Robot& robot, const SupportEquation
     const StandingFoot& standing = equations.standing[index];
     const Eigen::Vector2d from_ankle = standing.point - standing.ankle;
     const int column = support.row(side);
-    for (int j = 0; j < robot.num_joints(); j += 4)
+    for (int j = 0; j < robot.num_joints(); j += kJointBlock)
     {
-      const Eigen::Vector4d moment = of_moments.block<4, 1>(j, foot.direction);
-      Eigen::Vector4d fx = -from_ankle.y() * moment, fz = from_ankle.x() * moment;
+      const JointBlock moment = of_moments.block<kJointBlock, 1>(j, foot.direction);
+      JointBlock fx = -from_ankle.y() * moment, fz = from_ankle.x() * moment;
       int i = 0;
       for (const Arm& arm : foot.ankle)
       {
         const Eigen::Vector2d r = standing.arms.col(i++);
-        const Eigen::Vector4d unit = of_moments.block<4, 1>(j, arm.direction);
+        const JointBlock unit = of_moments.block<kJointBlock, 1>(j, arm.direction);
         fx -= r.y() * unit;
         fz += r.x() * unit;
       }
-      torques.block<4, 1>(j, column) = fx;
-      torques.block<4, 1>(j, column + 1) = fz;
+      torques.block<kJointBlock, 1>(j, column) = fx;
+      torques.block<kJointBlock, 1>(j, column + 1) = fz;
       if (contact == Contact::sole)
-        torques.block<4, 1>(j, column + 2) = moment;
+        torques.block<kJointBlock, 1>(j, column + 2) = moment;
     }
   }
-  return torques.topRows(robot.num_joints());
+  return torques;
 }
 
 } // namespace torqued

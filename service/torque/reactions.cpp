@@ -1,5 +1,7 @@
 #include "torque/reactions.h"
 
+#include <Eigen/Cholesky>
+
 namespace torqued
 {
 
@@ -89,8 +91,52 @@ AdmissibleReactions admissible_reactions(const Robot& robot, const SupportEquati
 ReactionTorques reaction_torques(const Robot& robot, const SupportEquations& equations, const Support& support,
                                  const AdmissibleReactions& all)
 {
-  const Bounded<kMaxJoints, 6> torques = contact_torques(robot, equations, support);
-  return {joint_torques(robot, equations.r) - torques * all.w0, -torques * all.Z};
+  const auto torques = contact_torques(robot, equations, support);
+  const VectorJ of_motion = joint_torques(robot, equations.r);
+  ReactionTorques found;
+  found.T.resize(kMaxJoints, all.redundancy());
+  for (int j = 0; j < robot.num_joints(); j += kJointBlock)
+  {
+    JointBlock tau0 = Eigen::Map<const JointBlock>(of_motion.data() + j); // zeros beyond the joints: joint_torques()
+    Eigen::Matrix<double, kJointBlock, 3> T = T.Zero();
+    for (int c = 0; c < all.w0.size(); ++c)
+    {
+      const JointBlock unit = torques.block<kJointBlock, 1>(j, c);
+      tau0 -= all.w0(c) * unit;
+      for (int k = 0; k < all.redundancy(); ++k)
+        T.col(k) -= all.Z(c, k) * unit;
+    }
+    found.tau0.segment<kJointBlock>(j) = tau0;
+    for (int k = 0; k < all.redundancy(); ++k)
+      found.T.block<kJointBlock, 1>(j, k) = T.col(k);
+  }
+  return found;
+}
+
+static_assert(kJointBlock == SumOfSquares::kBlock && kMaxJoints + SumOfSquares::kBlock <= SumOfSquares::kMaxRows);
+
+SumOfSquares torque_squares(const Robot& robot, const ReactionTorques& torques, const JointWeights& weights)
+{
+  SumOfSquares sum;
+  sum.variables = static_cast<int>(torques.T.cols());
+  for (; sum.rows < robot.num_joints(); sum.rows += kJointBlock)
+  {
+    sum.b.segment<kJointBlock>(sum.rows) = torques.tau0.segment<kJointBlock>(sum.rows);
+    for (int k = 0; k < sum.variables; ++k)
+      sum.A.col(k).segment<kJointBlock>(sum.rows) = torques.T.col(k).segment<kJointBlock>(sum.rows);
+  }
+  if (weights.size() > 0)
+  {
+    const Eigen::LLT<JointWeights> W(weights);
+    const VectorJ b = sum.b.head(weights.rows());
+    sum.b.head(weights.rows()) = W.matrixU() * b;
+    for (int k = 0; k < sum.variables; ++k)
+    {
+      const VectorJ column = sum.A.col(k).head(weights.rows());
+      sum.A.col(k).head(weights.rows()) = W.matrixU() * column;
+    }
+  }
+  return sum;
 }
 
 } // namespace torqued

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "torque/equations.h"
+#include "torque/least_squares.h"
 
 namespace torqued
 {
@@ -29,17 +30,28 @@ struct AdmissibleReactions
   Eigen::Vector3d unmet; ///< what of (2) no reaction meets: in flight d; on one heel or toe, or on two at one point,
                          ///< (0, 0, moment about it); else 0
   Eigen::Index redundancy() const { return Z.cols(); }
+  /// w0 + Z y; y may go on.
+  WrenchVector at(const Eigen::Vector3d& y) const
+  {
+    WrenchVector w = w0;
+    for (int k = 0; k < Z.cols(); ++k)
+      for (int c = 0; c < w.size(); ++c)
+        w(c) += y(k) * Z(c, k);
+    return w;
+  }
   /// Rank of G: 3; 2 on a single heel or toe, or two at one point; 0 in flight.
   Eigen::Index rank() const { return w0.size() - Z.cols(); }
 };
 
 AdmissibleReactions admissible_reactions(const Robot& robot, const SupportEquations& equations, const Support& support);
 
-/// The torques that go with them, τ = τ0 + T y.
+/// The torques that go with them, τ = τ0 + T y. One row for each joint; in whole blocks of joints, zeros and then
+/// nothing follow.
 struct ReactionTorques
 {
-  VectorJ tau0;             ///< B⁺ (r − Jᵀ w0), N m
-  Bounded<kMaxJoints, 3> T; ///< −B⁺ Jᵀ Z, joints × redundancy; of full column rank where J has full row rank
+  Eigen::Matrix<double, kMaxJoints, 1> tau0; ///< B⁺ (r − Jᵀ w0), N m
+  /// −B⁺ Jᵀ Z, one column for each y; of full column rank where J has full row rank.
+  Eigen::Matrix<double, kMaxJoints, Eigen::Dynamic, 0, kMaxJoints, 3> T;
 };
 
 ReactionTorques reaction_torques(const Robot& robot, const SupportEquations& equations, const Support& support,
@@ -47,5 +59,8 @@ ReactionTorques reaction_torques(const Robot& robot, const SupportEquations& equ
 
 /// W of ½ τᵀ W τ, joints × joints, symmetric and positive definite; empty: the unit matrix.
 using JointWeights = Bounded<kMaxJoints, kMaxJoints>;
+
+/// τᵀ W τ of τ = τ0 + T y: with W = Uᵀ U it is |U T y + U τ0|².
+SumOfSquares torque_squares(const Robot& robot, const ReactionTorques& torques, const JointWeights& weights);
 
 } // namespace torqued

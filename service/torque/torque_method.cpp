@@ -1,6 +1,5 @@
 #include "torque/torque_method.h"
 
-#include <algorithm>
 #include <cmath>
 
 namespace torqued
@@ -65,11 +64,10 @@ Result<Reactions> choose(const Robot& robot, const SupportEquations& equations, 
 {
   switch (method)
   {
-  case Method::pseudo_inverse:
-    return pseudo_inverse(support, all, reaction_torques(robot, equations, support, all), settings.pseudo_inverse);
+  case Method::pseudo_inverse: return pseudo_inverse(robot, equations, support, all, settings.pseudo_inverse);
   case Method::linear_transition: return linear_transition(robot, equations, support, settings.linear_transition);
-  case Method::internal_wrench: return reactions_of(least_torque(robot, equations, support, settings.internal_wrench));
-  case Method::torso_wrench: return reactions_of(least_torque(robot, equations, support, settings.torso_wrench));
+  case Method::internal_wrench: return least_torque(robot, equations, support, all, settings.internal_wrench.weights);
+  case Method::torso_wrench: return least_torque(robot, equations, support, all, settings.torso_wrench.weights);
   case Method::tracked_reaction:
     return reactions_of(tracked_reaction(robot, equations, support, settings.linear_transition));
   case Method::tracked_internal:
@@ -127,17 +125,6 @@ Result<TorqueSolution> solve_torques(const Robot& robot, const SupportEquations&
     return *refusal;
   return Result<TorqueSolution>(std::in_place_type<TorqueSolution>, robot, equations, support, used,
                                 std::get<Reactions>(chosen));
-}
-
-double dynamics_residual(const Robot& robot, const VectorQ& rest, const VectorJ& torque)
-{
-  VectorQ left = rest;
-  for (const Mechanism::Entry& share : robot.B)
-    left(share.row) -= share.value * torque(share.column);
-  double largest = 0.0;
-  for (const double force : left)
-    largest = std::max(largest, std::abs(force));
-  return largest;
 }
 
 } // namespace torqued

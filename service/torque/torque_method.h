@@ -3,8 +3,8 @@
 
 #include "torque/constrained.h"
 #include "torque/human_transition.h"
+#include "torque/least_torque.h"
 #include "torque/linear_transition.h"
-#include "torque/pseudo_inverse.h"
 #include "torque/trunk_wrench.h"
 
 #include <optional>
@@ -80,6 +80,9 @@ Result<TorqueSolution> solve_torques(const Robot& robot, const SupportEquations&
                                      Method method, const MethodSettings& settings, double residual_tolerance);
 
 /// Largest component of r − B τ − Jᵀ w, N or N m: rounding, unless the motion is under-actuated or τ was clamped.
-double dynamics_residual(const Robot& robot, const VectorQ& rest, const VectorJ& torque);
+inline double dynamics_residual(const Robot& robot, const VectorQ& rest, const VectorJ& torque)
+{
+  return largest_left(robot, rest, torque);
+}
 
 } // namespace torqued

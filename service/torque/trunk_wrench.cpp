@@ -1,7 +1,5 @@
 #include "torque/trunk_wrench.h"
 
-#include <Eigen/Cholesky>
-#include <Eigen/QR>
 #include <algorithm>
 
 namespace torqued
@@ -9,9 +7,6 @@ namespace torqued
 
 namespace
 {
-
-// An internal wrench that needs less torque than this, over the most that one of its size can need, needs none.
-constexpr double kIndependent = 1e-9;
 
 // row (f_x, f_z, m) of a wrench's moment about the point at r from where m is taken
 Eigen::RowVector3d moment_about(const Eigen::Vector2d& r)
@@ -49,13 +44,24 @@ Legs legs_of(const Robot& robot, const SupportEquations& equations)
       continue;
     // rate of momentum, about the trunk's origin: the force at the link's frame, and about that frame
     const Link& link = robot.links[i];
-    const double rate = now.rate(link.direction);
-    const Eigen::Vector2d up =
-        acceleration(now, link.origin, turning, base_acceleration) + Eigen::Vector2d(0.0, robot.mechanism.gravity());
+    Eigen::Vector2d place = now.base - legs.origin;
+    Eigen::Vector2d up = base_acceleration + Eigen::Vector2d(0.0, robot.mechanism.gravity());
+    const auto add = [&](int direction, const Eigen::Vector2d& r)
+    {
+      const double rate = now.rate(direction);
+      up += turning(direction) * perp(r) - rate * rate * r;
+    };
+    for (const Arm& arm : link.origin)
+    {
+      const Eigen::Vector2d r = rotate(now.e.col(arm.direction), arm.r);
+      place += r;
+      add(arm.direction, r);
+    }
     const Eigen::Vector2d c = rotate(heading(link, now), link.com);
-    const Eigen::Vector2d force = link.mass * (up + turning(link.direction) * perp(c) - rate * rate * c);
-    const double moment = (link.inertia + link.mass * c.squaredNorm()) * turning(link.direction) +
-                          link.mass * cross(c, up) + cross(position(now, link.origin) - legs.origin, force);
+    double moment = (link.inertia + link.mass * c.squaredNorm()) * turning(link.direction) + link.mass * cross(c, up);
+    add(link.direction, c);
+    const Eigen::Vector2d force = link.mass * up;
+    moment += cross(place, force);
     legs.rate[static_cast<std::size_t>(*robot.leg[i])] += Eigen::Vector3d(force.x(), force.y(), moment);
   }
   legs.trunk << equations.force(), equations.d(2) - cross(legs.origin - equations.base(), equations.force());
@@ -79,6 +85,18 @@ WrenchVector on_the_ground(const SupportEquations& equations, const Support& sup
   return w;
 }
 
+// the other way: what the leg of a foot carries
+Eigen::Vector3d carried_by(const SupportEquations& equations, const Support& support, const Legs& legs, Side side,
+                           const WrenchVector& w)
+{
+  // the foot's wrench about its point is f_T + n about the trunk's origin, transported; back by the opposite way
+  const Contact contact = support.of(side);
+  const int components = wrench_components(contact);
+  Eigen::Vector3d y = Eigen::Vector3d::Zero();
+  y.head(components) = w.segment(support.row(side), components);
+  return transport(legs.origin - equations.foot(side).point(contact)) * y - legs.leg(side);
+}
+
 // x of procedure 3: f_T1 by which one foot stands as linear_transition() has it
 Result<Eigen::Vector3d> tracked(const Robot& robot, const SupportEquations& equations, const Support& support,
                                 const LinearTransition& settings, const Legs& legs)
@@ -90,108 +108,24 @@ Result<Eigen::Vector3d> tracked(const Robot& robot, const SupportEquations& equa
   const Side trailing = support.trailing();
   const bool rolls_off = support.of(trailing) != Contact::sole && support.of(support.leading) == Contact::sole;
   const Side passive = rolls_off ? trailing : support.leading;
-  const int components = wrench_components(support.of(passive));
-  Eigen::Vector3d y = Eigen::Vector3d::Zero();
-  y.head(components) = std::get<Reactions>(shared).w.segment(support.row(passive), components);
-
-  // y about its point is f_T + n about the trunk's origin, transported; back by the opposite way
-  const Eigen::Vector2d r = equations.foot(passive).point(support.of(passive)) - legs.origin;
-  const Eigen::Vector3d f_T = transport(-r) * y - legs.leg(passive);
+  const Eigen::Vector3d f_T = carried_by(equations, support, legs, passive, std::get<Reactions>(shared).w);
   return passive == trailing ? f_T : Eigen::Vector3d(legs.trunk - f_T);
 }
 
 } // namespace
 
-Result<CarriedTrunk> least_torque(const Robot& robot, const SupportEquations& equations, const Support& support,
-                                  const InternalWrench& settings)
+CarriedTrunk carried_trunk(const Robot& robot, const SupportEquations& equations, const Support& support,
+                           const Reactions& chosen, double sigma)
 {
   const Legs legs = legs_of(robot, equations);
-  const Kinematics& now = equations.now;
-  const int size = robot.mechanism.num_theta();
+  const Eigen::Vector3d f_T1 = carried_by(equations, support, legs, support.trailing(), chosen.w);
+  return {legs.trunk, f_T1 - sigma * legs.trunk, sigma, chosen};
+}
 
-  const double apart = (equations.foot(Side::left).point(support.of(Side::left)) -
-                        equations.foot(Side::right).point(support.of(Side::right)))
-                           .norm();
-  if (support.redundancy() == 1 && apart < kCoincident * robot.leg_length)
-    return Refusal(Reason::numerical,
-                   "the contact points of both feet are {:.3g} m apart; with less than {:.3g} m the moments about them "
-                   "are one condition, not two",
-                   apart, kCoincident * robot.leg_length);
-
-  // B1 and b1 from the wrenches about both ankles; a1 and a2 from the moments about heels and toes
-  Bounded<kMaxJoints, 3> B1 = Bounded<kMaxJoints, 3>::Zero(robot.num_joints(), 3);
-  VectorJ b1 = joint_torques(robot, equations.r);
-  Bounded<3, 2> a1(3, 0);
-  BoundedVector<2> a2(0);
-  for (const Side side : kSides)
-  {
-    // what this leg carries is ± η and a share of f*
-    const double sign = side == support.leading ? -1.0 : 1.0;
-    const double share = side == support.leading ? 1.0 - settings.sigma : settings.sigma;
-    const Eigen::Vector3d known = share * legs.trunk + legs.leg(side);
-
-    const Foot& foot = robot.foot(side);
-    const Eigen::Matrix3d U = transport(equations.foot(side).ankle - legs.origin);
-    Jacobian J(2, robot.mechanism.num_q());
-    point_jacobian(robot.mechanism, now, foot.ankle, 0, J);
-    for (int k = 0; k < 3; ++k)
-    {
-      VectorQ force = J.transpose() * U.col(k).head<2>();
-      force.head(size) += U(2, k) * robot.mechanism.W().row(robot.link(foot.link).direction).transpose();
-      const VectorJ column = joint_torques(robot, force);
-      B1.col(k) -= sign * column;
-      b1 -= known(k) * column;
-    }
-
-    if (const Contact contact = support.of(side); contact != Contact::sole)
-    {
-      const Eigen::RowVector3d moment = moment_about(equations.foot(side).point(contact) - legs.origin);
-      const Eigen::Index rows = a2.size();
-      a1.conservativeResize(3, rows + 1);
-      a2.conservativeResize(rows + 1);
-      a1.col(rows) = sign * moment.transpose();
-      a2(rows) = moment * known;
-    }
-  }
-
-  // moments in N × leg length, so that the columns compare; W = L Lᵀ goes into B1 and b1
-  const Eigen::Vector3d unit(1.0, 1.0, robot.leg_length);
-  B1 = B1 * unit.asDiagonal();
-  a1 = unit.asDiagonal() * a1;
-  if (settings.weights.size() > 0)
-  {
-    const Eigen::LLT<JointWeights> W(settings.weights);
-    B1 = W.matrixU() * B1;
-    b1 = W.matrixU() * b1;
-  }
-
-  // (67) without P, which needs B1 to have full rank even where the moments at heel and toe leave no use for it: with
-  // a1 = Y R and N what is orthogonal to it, η = −Y R⁻ᵀ a2 + N z meets them for every z
-  const Eigen::Index conditions = a2.size();
-  Eigen::Matrix3d YN = Eigen::Matrix3d::Identity();
-  Eigen::Vector3d eta = Eigen::Vector3d::Zero();
-  if (conditions > 0)
-  {
-    const Eigen::HouseholderQR<Bounded<3, 2>> QR(a1);
-    YN = QR.householderQ();
-    const Bounded<2, 2> R = QR.matrixQR().topRows(conditions);
-    const BoundedVector<2> along = R.triangularView<Eigen::Upper>().transpose().solve(a2);
-    eta = -YN.leftCols(conditions) * along;
-  }
-  const Bounded<3, 3> N = YN.rightCols(3 - conditions);
-  const Bounded<kMaxJoints, 3> B1N = B1 * N;
-  const Eigen::ColPivHouseholderQR<Bounded<kMaxJoints, 3>> QR(B1N);
-  const bool determined = B1N.rows() >= B1N.cols() && std::abs(QR.matrixR()(B1N.cols() - 1, B1N.cols() - 1)) >
-                                                          kIndependent * B1.cwiseAbs().maxCoeff();
-  if (!determined)
-    return Refusal(Reason::numerical,
-                   "an internal wrench between the feet needs no torque here, as when both legs are straight, parallel "
-                   "and at one place, so that the least torque does not determine the ground reactions");
-  const VectorJ rest = b1 + B1 * eta;
-  const BoundedVector<3> z = QR.solve(rest);
-  eta = unit.cwiseProduct(Eigen::Vector3d(eta - N * z));
-  return CarriedTrunk{
-      legs.trunk, eta, settings.sigma, {on_the_ground(equations, support, legs, settings.sigma * legs.trunk + eta)}};
+WrenchVector reactions_below(const Robot& robot, const SupportEquations& equations, const Support& support,
+                             const Eigen::Vector3d& f_T1)
+{
+  return on_the_ground(equations, support, legs_of(robot, equations), f_T1);
 }
 
 Result<CarriedTrunk> tracked_reaction(const Robot& robot, const SupportEquations& equations, const Support& support,

@@ -13,25 +13,14 @@
 /// so torques and the moments about heels or toes, which must vanish, are affine in η:
 ///
 ///   τ = B1 η + b1(σ),   a1ᵀ η + a2(σ) = 0: one row for each heel or toe                                  (63), (64)
+///
+/// Procedures 1 and 2 choose η by the least torque: least_torque.h.
 #pragma once
 
 #include "torque/linear_transition.h"
 
 namespace torqued
 {
-
-/// Procedures 1 and 2: the least ½ τᵀ W τ, (65), that the equations allow; no condition of a contact or a motor is
-/// respected.
-///
-///   η = −P B1ᵀ W b1 − P a1 θ,   θ = (a1ᵀ P a1)⁻¹ (a2 − a1ᵀ P B1ᵀ W b1),   P = (B1ᵀ W B1)⁻¹               (67), (68)
-///
-/// Procedure 2, (70), is σ = 0: f_T1 itself is sought. σ shows in η, not in torques or reactions: η + σ f* is the same
-/// for all. In the paper's (70) b1 and a2 keep a shift by σ f*.
-struct InternalWrench
-{
-  double sigma = 0.5; ///< the trailing leg's share of f* before η
-  JointWeights weights;
-};
 
 /// An internal wrench and what follows from it.
 struct CarriedTrunk
@@ -42,10 +31,13 @@ struct CarriedTrunk
   Reactions reactions;
 };
 
-/// Refuses: numerical where an internal wrench needs no torque (both legs straight, parallel, and feet at one place),
-/// or where two contact points are one.
-Result<CarriedTrunk> least_torque(const Robot& robot, const SupportEquations& equations, const Support& support,
-                                  const InternalWrench& settings);
+/// What the legs carry where the feet stand as `chosen`; sigma: σ.
+CarriedTrunk carried_trunk(const Robot& robot, const SupportEquations& equations, const Support& support,
+                           const Reactions& chosen, double sigma);
+
+/// The other way: the ground reactions where the trailing leg carries f_T1. Moments about heels and toes are left out.
+WrenchVector reactions_below(const Robot& robot, const SupportEquations& equations, const Support& support,
+                             const Eigen::Vector3d& f_T1);
 
 /// Procedure 3: the wrench of one foot is that of linear_transition(), and determines f_T1:
 ///
