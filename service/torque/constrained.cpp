@@ -3,9 +3,9 @@
 #include "torque/linear_transition.h"
 #include "torque/quadratic_program.h"
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace torqued
 {
@@ -22,102 +22,72 @@ enum class Rank
 };
 constexpr std::array<Rank, 3> kRanks{Rank::contact, Rank::torque, Rank::window};
 
-// Conditions on y, in units in which its entries and the rows' are of order 1.
+// Conditions as rows a·y ≤ b, in units in which their entries and those of y are of order 1.
 class Conditions
 {
 public:
-  Conditions(const Robot& robot, const Support& support, const AdmissibleReactions& all, const ReactionTorques& torques)
-      : robot_(robot), support_(support), all_(all), torques_(torques), unit_(all.Z.cols())
+  // rows: where they are kept; unit: of y, in N and N m; size: how many there will be
+  Conditions(Rows& rows, const Eigen::Vector3d& unit, int variables, int size) : rows_(rows), unit_(unit)
   {
-    // N; N m where y is a moment, the third of two soles
-    unit_.setConstant(robot.weight());
-    if (unit_.size() == 3)
-      unit_(2) *= robot.leg_length;
-    rows_.A.resize(0, unit_.size());
-    rows_.b.resize(0);
+    rows_.A.resize(size, variables);
+    rows_.b.resize(size);
   }
 
-  // c·w ≤ bound, w the foot's own components; scale: what is much
-  void foot_row(Rank rank, Side side, const Eigen::Vector3d& c, double bound, double scale)
+  // a·y ≤ b; a: gives the entries, because a vector of them would be stored one by one and read by twos, which waits;
+  // factor: one over what is much
+  template <typename Entries> void add(Rank rank, const Entries& a, double b, double factor)
   {
-    const int row = support_.row(side);
-    const int components = wrench_components(support_.of(side));
-    const auto own = c.head(components).transpose();
-    add(rank, own * all_.Z.middleRows(row, components), bound - own.dot(all_.w0.segment(row, components)), scale);
-  }
-
-  void torque_rows()
-  {
-    for (int j = 0; j < robot_.num_joints(); ++j)
-    {
-      const double limit = robot_.actuators[static_cast<std::size_t>(j)].torque_limit;
-      if (!std::isfinite(limit))
-        continue;
-      // a motor with next to no limit would otherwise outweigh all others
-      const double scale = std::max(limit, 1e-3 * robot_.weight() * robot_.leg_length);
-      add(Rank::torque, torques_.T.row(j), limit - torques_.tau0(j), scale);
-      add(Rank::torque, -torques_.T.row(j), limit + torques_.tau0(j), scale);
-    }
+    for (int k = 0; k < rows_.A.cols(); ++k)
+      rows_.A(size_, k) = factor * unit_(k) * a(k);
+    rows_.b(size_) = factor * b;
+    rank_[static_cast<std::size_t>(size_++)] = rank;
   }
 
   // rows of this rank soft, those that give way to it left out
-  Rows up_to(Rank rank) const
+  Rows up_to(Rank soft) const
   {
-    Rows rows{Bounded<kMaxRows, kMaxVariables>(rows_.size(), unit_.size()), BoundedVector<kMaxRows>(rows_.size()), {}};
+    Rows rows{Bounded<kMaxRows, kMaxVariables>(size_, rows_.A.cols()), BoundedVector<kMaxRows>(size_), {}};
     int n = 0;
-    for (int i = 0; i < rows_.size(); ++i)
-      if (rank_[static_cast<std::size_t>(i)] <= rank)
+    for (int i = 0; i < size_; ++i)
+      if (rank(i) <= soft)
       {
         rows.A.row(n) = rows_.A.row(i);
         rows.b(n) = rows_.b(i);
-        rows.soft[static_cast<std::size_t>(n)] = rank_[static_cast<std::size_t>(i)] == rank;
-        ++n;
+        rows.soft[static_cast<std::size_t>(n++)] = rank(i) == soft;
       }
     rows.A.conservativeResize(n, Eigen::NoChange);
     rows.b.conservativeResize(n);
     return rows;
   }
 
+  bool any(Rank of) const { return std::find(rank_.begin(), rank_.begin() + size_, of) != rank_.begin() + size_; }
+
   // the most that a row of this rank lacks at y
-  double lacking(Rank rank, const BoundedVector<kMaxVariables>& y) const
+  double lacking(Rank of, const BoundedVector<kMaxVariables>& y) const
   {
     double most = 0.0;
-    for (int i = 0; i < rows_.size(); ++i)
-      if (rank_[static_cast<std::size_t>(i)] == rank)
+    for (int i = 0; i < size_; ++i)
+      if (rank(i) == of)
         most = std::max(most, rows_.A.row(i).dot(y) - rows_.b(i));
     return most;
   }
 
   // grants rows of this rank what they lack at y; and all of them room for rounding
-  void relax(Rank rank, const BoundedVector<kMaxVariables>& y)
+  void relax(Rank of, const BoundedVector<kMaxVariables>& y)
   {
     constexpr double rounding = 1e-9;
-    for (int i = 0; i < rows_.size(); ++i)
-      if (rank_[static_cast<std::size_t>(i)] == rank)
+    for (int i = 0; i < size_; ++i)
+      if (rank(i) == of)
         rows_.b(i) = std::max(rows_.b(i), rows_.A.row(i).dot(y)) + rounding;
   }
 
-  const Rows& rows() const { return rows_; }
-  const BoundedVector<kMaxVariables>& unit() const { return unit_; }
-
 private:
-  template <typename Row> void add(Rank rank, const Row& a, double b, double scale)
-  {
-    const int i = rows_.size();
-    rows_.A.conservativeResize(i + 1, Eigen::NoChange);
-    rows_.b.conservativeResize(i + 1);
-    rows_.A.row(i) = a.cwiseProduct(unit_.transpose()) / scale;
-    rows_.b(i) = b / scale;
-    rank_[static_cast<std::size_t>(i)] = rank;
-  }
+  Rank rank(int i) const { return rank_[static_cast<std::size_t>(i)]; }
 
-  const Robot& robot_;
-  const Support& support_;
-  const AdmissibleReactions& all_;
-  const ReactionTorques& torques_;
-  BoundedVector<kMaxVariables> unit_; // of y
-  Rows rows_;
-  std::array<Rank, kMaxRows> rank_{};
+  Rows& rows_;
+  Eigen::Vector3d unit_;
+  int size_ = 0; // of those that have been added
+  std::array<Rank, kMaxRows> rank_;
 };
 
 // c of c·w = M − h_p f_x' − x f_z': the moment about the point of the sole at x from below the ankle, in the foot's
@@ -128,12 +98,99 @@ Eigen::Vector3d moment_at(const Foot& foot, const FootPose& pose, double x)
   return {-h * pose.e.x() + x * pose.e.y(), -h * pose.e.y() - x * pose.e.x(), 1.0};
 }
 
-void contact_rows(const Robot& robot, const SupportEquations& equations, const Support& support,
-                  const Constrained& settings, Conditions& conditions)
+// conditions of contacts on y, by w = w0 + Z y
+void add_contacts(const AdmissibleReactions& all, const Support& support, const ContactConditions& contacts,
+                  Conditions& conditions)
 {
+  for (const ContactCondition& contact : contacts)
+  {
+    const int row = support.row(contact.side);
+    const int components = wrench_components(support.of(contact.side));
+    double bound = contact.bound;
+    for (int i = 0; i < components; ++i)
+      bound -= contact.c(i) * all.w0(row + i);
+    const auto a = [&](int k)
+    {
+      double sum = 0.0;
+      for (int i = 0; i < components; ++i)
+        sum += contact.c(i) * all.Z(row + i, k);
+      return sum;
+    };
+    conditions.add(contact.is_window ? Rank::window : Rank::contact, a, bound, contact.factor);
+  }
+}
+
+// those of motors, by τ = τ0 + T y
+void add_motors(const Robot& robot, const ReactionTorques& torques, Conditions& conditions)
+{
+  // a motor with next to no limit would otherwise outweigh all others
+  const double least_scale = 1e-3 * robot.weight() * robot.leg_length;
+  int j = 0;
+  for (const Actuator& actuator : robot.actuators)
+  {
+    const double limit = actuator.torque_limit;
+    if (std::isfinite(limit))
+    {
+      const double factor = 1.0 / std::max(limit, least_scale);
+      conditions.add(
+          Rank::torque, [&](int k) { return torques.T(j, k); }, limit - torques.tau0(j), factor);
+      conditions.add(
+          Rank::torque, [&](int k) { return -torques.T(j, k); }, limit + torques.tau0(j), factor);
+    }
+    ++j;
+  }
+}
+
+// adds ½ weight Σ_feet (L² |f|² + M²) of the reactions w = w0 + Z y to the objective; unit: of y
+void add_reactions(const Robot& robot, const Support& support, const AdmissibleReactions& all, const WrenchVector& w0,
+                   const Eigen::Vector3d& unit, double weight, QuadraticProgram& program)
+{
+  for (const Side side : kSides)
+    for (int i = 0; i < wrench_components(support.of(side)); ++i)
+    {
+      const int c = support.row(side) + i;
+      const double lever = i < 2 ? robot.leg_length : 1.0;
+      for (int k = 0; k < all.redundancy(); ++k)
+      {
+        const double slope = weight * lever * lever * all.Z(c, k) * unit(k);
+        program.g(k) += slope * w0(c);
+        for (int j = 0; j < all.redundancy(); ++j)
+          program.H(j, k) += slope * all.Z(c, j) * unit(j);
+      }
+    }
+}
+
+// whether no direction of y counts next to nothing against the others
+bool tells_apart(const Bounded<3, 3>& H)
+{
+  // pivots of H = L D Lᵀ
+  Eigen::Matrix3d rest = Eigen::Matrix3d::Identity();
+  const int n = static_cast<int>(H.cols());
+  double largest = 0.0, least = std::numeric_limits<double>::infinity();
+  for (int k = 0; k < n; ++k)
+    for (int j = 0; j < n; ++j)
+      rest(j, k) = H(j, k);
+  for (int k = 0; k < n; ++k)
+  {
+    const double pivot = rest(k, k);
+    largest = std::max(largest, H(k, k));
+    least = std::min(least, pivot);
+    for (int i = k + 1; i < n; ++i)
+      for (int j = k + 1; j < n; ++j)
+        rest(i, j) -= rest(i, k) * rest(k, j) / pivot;
+  }
+  return least > 1e-11 * largest;
+}
+
+} // namespace
+
+ContactConditions contact_conditions(const Robot& robot, const SupportEquations& equations, const Support& support,
+                                     const Constrained& settings)
+{
+  ContactConditions conditions;
   const double p = support.phase;
   const double F_z = equations.force().y();
-  const double weight = robot.weight();
+  const double per_weight = 1.0 / robot.weight();
   const bool leading_sole = support.of(support.leading) == Contact::sole;
   const bool trailing_sole = support.of(support.trailing()) == Contact::sole;
   for (const Side side : kSides)
@@ -142,7 +199,7 @@ void contact_rows(const Robot& robot, const SupportEquations& equations, const S
     const Foot& foot = robot.foot(side);
     const FootPose& pose = equations.foot(side);
     const bool sole = support.of(side) == Contact::sole && foot.has_extent();
-    const double length = weight * (foot.toe_x() - foot.heel_x());
+    const double per_length = sole ? per_weight / (foot.toe_x() - foot.heel_x()) : 0.0;
 
     // the most load that a window leaves this foot
     std::optional<double> most;
@@ -154,81 +211,83 @@ void contact_rows(const Robot& robot, const SupportEquations& equations, const S
     if (most)
       least = std::min(least, std::max(*most, 0.0));
 
-    conditions.foot_row(Rank::contact, side, {0.0, -1.0, 0.0}, -least, weight);
-    conditions.foot_row(Rank::contact, side, {1.0, -foot.friction, 0.0}, 0.0, weight);
-    conditions.foot_row(Rank::contact, side, {-1.0, -foot.friction, 0.0}, 0.0, weight);
+    const auto add = [&](const Eigen::Vector3d& c, double bound, double factor, bool is_window = false)
+    {
+      conditions.push_back({side, c, bound, factor, is_window});
+    };
+    add({0.0, -1.0, 0.0}, -least, per_weight);
+    add({1.0, -foot.friction, 0.0}, 0.0, per_weight);
+    add({-1.0, -foot.friction, 0.0}, 0.0, per_weight);
     if (sole)
     {
-      conditions.foot_row(Rank::contact, side, -moment_at(foot, pose, foot.heel_x()), 0.0, length);
-      conditions.foot_row(Rank::contact, side, moment_at(foot, pose, foot.toe_x()), 0.0, length);
+      add(-moment_at(foot, pose, foot.heel_x()), 0.0, per_length);
+      add(moment_at(foot, pose, foot.toe_x()), 0.0, per_length);
     }
     if (most)
-      conditions.foot_row(Rank::window, side, {0.0, 1.0, 0.0}, *most, weight);
+      add({0.0, 1.0, 0.0}, *most, per_weight, true);
     if (settings.windows && sole && leading_sole != trailing_sole)
     {
       const Eigen::Vector3d moment = moment_at(foot, pose, foot.heel_x() + p * (foot.toe_x() - foot.heel_x()));
-      conditions.foot_row(Rank::window, side, leading ? moment : -moment, 0.0, length);
+      add(leading ? moment : -moment, 0.0, per_length, true);
     }
   }
+  return conditions;
 }
-
-} // namespace
 
 Result<Reactions> constrained(const Robot& robot, const SupportEquations& equations, const Support& support,
                               const AdmissibleReactions& all, const Constrained& settings, bool relax)
 {
+  const int n = static_cast<int>(all.redundancy());
   const ReactionTorques torques = reaction_torques(robot, equations, support, all);
-  Conditions conditions(robot, support, all, torques);
-  contact_rows(robot, equations, support, settings, conditions);
-  conditions.torque_rows();
+
+  // units of y: N, and N m where it is a moment, the third of two soles
+  Eigen::Vector3d unit = Eigen::Vector3d::Constant(robot.weight());
+  if (n == 3)
+    unit(2) *= robot.leg_length;
+  const ContactConditions contacts = contact_conditions(robot, equations, support, settings);
+  int limits = 0;
+  for (const Actuator& actuator : robot.actuators)
+    limits += std::isfinite(actuator.torque_limit) ? 2 : 0;
+  QuadraticProgram program;
+  Conditions conditions(program.rows, unit, n, contacts.size() + limits);
+  add_contacts(all, support, contacts, conditions);
+  add_motors(robot, torques, conditions);
 
   // objective, over its value for a torque of weight × leg length at every joint
   const double size = robot.weight() * robot.leg_length;
-  const Bounded<kMaxJoints, 3> T = torques.T * conditions.unit().asDiagonal() / size;
-  const VectorJ tau0 = torques.tau0 / size;
-  Bounded<kMaxJoints, 3> WT = T;
-  double scale = 1.0;
-  if (settings.weights.size() > 0)
+  const double mean_weight =
+      settings.weights.size() == 0 ? 1.0 : settings.weights.trace() / static_cast<double>(robot.num_joints());
+  const double per_scale = 1.0 / (mean_weight * size * size);
+  const SumOfSquares sum = torque_squares(robot, torques, settings.weights);
+  program.H.resize(n, n);
+  program.g.resize(n);
+  for (int k = 0; k < n; ++k)
   {
-    scale = settings.weights.trace() / static_cast<double>(robot.num_joints());
-    WT = settings.weights * T / scale;
+    program.g(k) = sum.gradient(k) * unit(k) * per_scale;
+    for (int j = 0; j <= k; ++j)
+      program.H(j, k) = program.H(k, j) = sum.curvature(j, k) * unit(j) * unit(k) * per_scale;
   }
-  QuadraticProgram program{T.transpose() * WT, WT.transpose() * tau0, {}};
-  const Bounded<6, 3> Z = all.Z * conditions.unit().asDiagonal() / size;
-  WrenchVector V(all.w0.size()); // L², and 1 for a moment
-  V.setConstant(robot.leg_length * robot.leg_length);
-  for (const Side side : kSides)
-    if (support.of(side) == Contact::sole)
-      V(support.row(side) + 2) = 1.0;
-  const Bounded<3, 3> reactions = Z.transpose() * V.asDiagonal() * Z;
-  if (const double k = settings.reference_weight / scale; k > 0.0)
+  if (const double k = settings.reference_weight; k > 0.0)
   {
     const Result<Reactions> reference = zmp_transition(robot, equations, support);
     if (const Refusal* refusal = std::get_if<Refusal>(&reference))
       return *refusal;
-    const WrenchVector off = (all.w0 - std::get<Reactions>(reference).w) / size;
-    program.H += k * reactions;
-    program.g += k * (Z.transpose() * V.cwiseProduct(off));
+    add_reactions(robot, support, all, all.w0 - std::get<Reactions>(reference).w, unit, k * per_scale, program);
   }
-  const BoundedVector<3> pivots = Eigen::LDLT<Bounded<3, 3>>(program.H).vectorD();
-  if (!(pivots.minCoeff() > 1e-11 * pivots.maxCoeff()))
-  {
-    constexpr double tie_break = 1e-9;
-    program.H += tie_break * reactions;
-    program.g += tie_break * (Z.transpose() * V.cwiseProduct(all.w0 / size));
-  }
+  if (!tells_apart(program.H))
+    add_reactions(robot, support, all, all.w0, unit, 1e-9 / (size * size), program);
 
-  program.rows = conditions.rows();
   QuadraticProgramSolution solution = solve(program);
-  Reactions chosen;
+  bool relaxed = false;
   if (solution.status == QuadraticProgramStatus::infeasible)
   {
-    chosen.relaxed = true;
-    BoundedVector<kMaxVariables> y = BoundedVector<kMaxVariables>::Zero(all.Z.cols());
+    relaxed = true;
+    BoundedVector<kMaxVariables> y = BoundedVector<kMaxVariables>::Zero(n);
     for (const Rank rank : kRanks)
     {
-      const Rows rows = conditions.up_to(rank);
-      const QuadraticProgramSolution least = least_violation(rows, y);
+      if (!conditions.any(rank))
+        continue;
+      const QuadraticProgramSolution least = least_violation(conditions.up_to(rank), y);
       if (least.status != QuadraticProgramStatus::optimal)
         return Refusal(Reason::numerical, "the least violation of the contact conditions was not found");
       y = least.y;
@@ -243,13 +302,14 @@ Result<Reactions> constrained(const Robot& robot, const SupportEquations& equati
                        equations.moment_about_origin() / equations.force().y());
       conditions.relax(rank, y);
     }
-    program.rows = conditions.rows();
     solution = solve(program);
   }
   if (solution.status != QuadraticProgramStatus::optimal)
     return Refusal(Reason::numerical, "the optimisation did not end; the motion's numbers are too large");
-  chosen.w = all.w0 + all.Z * conditions.unit().cwiseProduct(solution.y);
-  return chosen;
+  Eigen::Vector3d y = Eigen::Vector3d::Zero();
+  for (int k = 0; k < n; ++k)
+    y(k) = unit(k) * solution.y(k);
+  return Reactions{all.at(y), false, relaxed};
 }
 
 } // namespace torqued

@@ -42,6 +42,34 @@ struct Constrained
   std::optional<double> f_min;   ///< N; empty: each foot's own
 };
 
+/// One condition of a foot: c·w ≤ bound, w its own components of the reactions.
+struct ContactCondition
+{
+  Side side;
+  Eigen::Vector3d c;
+  double bound;           ///< N; N m of a moment
+  double factor;          ///< one over what is much of it: weight, or weight × sole length
+  bool is_window = false; ///< it gives way before torque limits do
+};
+
+/// At most six for each foot.
+class ContactConditions
+{
+public:
+  void push_back(const ContactCondition& condition) { all_[size_++] = condition; }
+  int size() const { return static_cast<int>(size_); }
+  const ContactCondition* begin() const { return all_.data(); }
+  const ContactCondition* end() const { return all_.data() + size_; }
+
+private:
+  std::array<ContactCondition, 12> all_;
+  std::size_t size_ = 0;
+};
+
+/// What the contacts, and the windows if they are set, ask of the reactions. Requires: both feet in contact.
+ContactConditions contact_conditions(const Robot& robot, const SupportEquations& equations, const Support& support,
+                                     const Constrained& settings);
+
 /// Chooses the reactions.
 ///
 /// relax: whether conditions of contacts and motors may be violated when they cannot be met; windows always may.

@@ -1,10 +1,11 @@
 #include "torque/quadratic_program.h"
 
-#include <Eigen/Cholesky>
-#include <Eigen/QR>
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
+#include <cstdint>
 #include <limits>
 
 namespace torqued
@@ -13,175 +14,394 @@ namespace torqued
 namespace
 {
 
-using Variables = BoundedVector<kMaxVariables>;
-using Square = Bounded<kMaxVariables, kMaxVariables>;
-using Multipliers = BoundedVector<kMaxRows>;
+using Vector = Eigen::Vector3d;
+using Matrix = Eigen::Matrix3d;
 using RowSet = std::bitset<kMaxRows>;
+// One number per row.
+using PerRow = std::array<double, kMaxRows>;
 
 // Relative to the terms that it is the difference of, what is less than this is rounding.
 constexpr double kRounding = 1e-12;
 constexpr double kEpsilon = std::numeric_limits<double>::epsilon();
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-// What the violation of a row is measured against.
-double size_of(const Rows& rows, int i, const Variables& y)
+template <typename Function> void for_each(const RowSet& rows, const Function& function)
 {
-  return std::max({rows.A.row(i).norm() * y.norm(), std::abs(rows.b(i)), 1.0});
+  for (std::uint64_t left = rows.to_ullong(); left != 0; left &= left - 1)
+    function(std::countr_zero(left));
 }
 
-double violation(const Rows& rows, int i, const Variables& y, double lambda)
+// A program of three variables: those that it lacks have H = 1, g = 0 and no part in any row, and stay 0. A and b by
+// columns, so that the compiler does several rows at once.
+struct Program
 {
-  return rows.A.row(i).dot(y) - rows.b(i) - (rows.soft[i] ? lambda : 0.0);
-}
+  int size; // rows
+  Matrix H = Matrix::Identity();
+  Vector g = Vector::Zero();
+  double H_size = 0.0; // |H|, without what was added
+  std::array<PerRow, kMaxVariables> A;
+  PerRow b, squared; // squared: |a_i|²
+  RowSet soft;
 
-// What the terms of H y + g + Σ λ_i a_i are, at the largest.
-double size_of_forces(const QuadraticProgram& program, const Variables& y, const Multipliers& lambda)
-{
-  double size = std::max({program.H.norm() * y.norm(), program.g.norm(), 1.0});
-  for (int i = 0; i < program.rows.size(); ++i)
-    size = std::max(size, std::abs(lambda(i)) * program.rows.A.row(i).norm());
-  return size;
-}
+  explicit Program(const Rows& rows) : size(rows.size()), soft(rows.soft)
+  {
+    for (int k = 0; k < kMaxVariables; ++k)
+      if (k < rows.A.cols())
+        std::copy_n(rows.A.col(k).data(), size, A[k].begin());
+      else
+        std::fill_n(A[k].begin(), size, 0.0);
+    std::copy_n(rows.b.data(), size, b.begin());
+    for (int i = 0; i < size; ++i)
+      squared[i] = A[0][i] * A[0][i] + A[1][i] * A[1][i] + A[2][i] * A[2][i];
+  }
+  explicit Program(const QuadraticProgram& program) : Program(program.rows)
+  {
+    const Eigen::Index n = program.g.size();
+    for (Eigen::Index j = 0; j < n; ++j)
+    {
+      g(j) = program.g(j);
+      for (Eigen::Index i = 0; i < n; ++i)
+        H(i, j) = program.H(i, j);
+    }
+    H_size = program.H.norm();
+  }
 
-struct Iterate
-{
-  Variables y;
-  Multipliers lambda;
+  Vector a(int i) const { return {A[0][i], A[1][i], A[2][i]}; }
+  // of row i, as if it were hard
+  double violation(int i, const Vector& y) const { return A[0][i] * y(0) + A[1][i] * y(1) + A[2][i] * y(2) - b[i]; }
+  double length(int i) const { return std::sqrt(squared[i]); }
+  // what a violation is measured against; y_squared: |y|²
+  double scale_squared(int i, double y_squared) const
+  {
+    return std::max(squared[i] * y_squared, std::max(b[i] * b[i], 1.0));
+  }
+  double scale(int i, double y_squared) const { return std::sqrt(scale_squared(i, y_squared)); }
 };
 
-// A step of Iterate as λ_p of another row grows by 1.
-struct Direction
+// L of H = L Lᵀ, and one over its diagonal; false if H is not positive definite beyond rounding
+bool factorize(const Matrix& H, Matrix& L, Vector& per_pivot)
 {
-  Iterate change;
-  double closing; // how fast the row's violation shrinks
+  for (int k = 0; k < 3; ++k)
+  {
+    double pivot = H(k, k);
+    for (int j = 0; j < k; ++j)
+      pivot -= L(k, j) * L(k, j);
+    if (!(pivot > kRounding * H(k, k)))
+      return false;
+    L(k, k) = std::sqrt(pivot);
+    per_pivot(k) = 1.0 / L(k, k);
+    for (int i = k + 1; i < 3; ++i)
+    {
+      double rest = H(i, k);
+      for (int j = 0; j < k; ++j)
+        rest -= L(i, j) * L(k, j);
+      L(i, k) = rest * per_pivot(k);
+    }
+  }
+  return true;
+}
+
+// What solves the program with the rows of a working set as equalities: y, and the rows' multipliers by their places
+// in the set.
+struct Solved
+{
+  Vector y;
+  PerRow lambda;
 };
 
 // The program with the rows of a working set as equalities: a_i·y = b_i of a hard row, = b_i + λ_i of a soft one.
 //
 // With H = L Lᵀ it is the least squares of C y − c, the rows of C being Lᵀ and a_iᵀ of the soft rows, c = (−L⁻¹ g,
 // b_i). The hard normals are N = Y R, with Z what is orthogonal to them: y = Y R⁻ᵀ b + Z z meets the hard rows to
-// rounding, however badly H may be conditioned; with n of them H does not matter to y.
+// rounding, however badly H may be conditioned; with three of them H does not matter to y. C Z = Q U, with Q's columns
+// orthogonal and U unit upper triangular, by modified Gram-Schmidt.
 class Equalities
 {
 public:
-  Equalities(const QuadraticProgram& program, const Eigen::LLT<Square>& llt, const RowSet& active)
-      : program_(program), llt_(llt)
+  explicit Equalities(const Program& program, const Matrix& L, const Vector& per_pivot_of_L)
+      : program_(program), L_(L), per_pivot_of_L_(per_pivot_of_L)
   {
-    const Rows& rows = program.rows;
-    const Eigen::Index n = program.g.size();
-    for (int i = 0; i < rows.size(); ++i)
-      if (active[i])
-      {
-        if (rows.soft[i])
-          soft_[num_soft_++] = i;
-        else
-          hard_[num_hard_++] = i;
-      }
-
-    Square N(n, num_hard_);
-    for (Eigen::Index k = 0; k < num_hard_; ++k)
-      N.col(k) = rows.A.row(hard_[k]).transpose();
-    const Eigen::HouseholderQR<Square> qr(N);
-    const Square Q = qr.householderQ() * Square::Identity(n, n);
-    Y_ = Q.leftCols(num_hard_);
-    Z_ = Q.rightCols(n - num_hard_);
-    R_ = qr.matrixQR().topRows(num_hard_);
-
-    C_.resize(n + num_soft_, n);
-    C_.topRows(n) = llt.matrixL().transpose();
-    for (Eigen::Index k = 0; k < num_soft_; ++k)
-      C_.row(n + k) = rows.A.row(soft_[k]);
-    qr_of_CZ_.compute(C_ * Z_);
   }
 
-  // minimises ½ yᵀ H y + gᵀ y + ½ Σ λ_i² of the soft rows
-  Iterate minimum(const Variables& g, const Multipliers& b) const
+  void set(const RowSet& active)
   {
-    const Rows& rows = program_.rows;
-    const Eigen::Index n = g.size();
-    Variables b_hard(num_hard_);
-    for (Eigen::Index k = 0; k < num_hard_; ++k)
-      b_hard(k) = b(hard_[k]);
-    Tall c(n + num_soft_);
-    c.head(n) = -llt_.matrixL().solve(g);
-    for (Eigen::Index k = 0; k < num_soft_; ++k)
-      c(n + k) = b(soft_[k]);
-
-    Iterate iterate{Y_ * R_.triangularView<Eigen::Upper>().transpose().solve(b_hard), Multipliers::Zero(rows.size())};
-    iterate.y += Z_ * qr_of_CZ_.solve(c - C_ * iterate.y);
-    Variables gradient = program_.H * iterate.y + g;
-    for (Eigen::Index k = 0; k < num_soft_; ++k)
+    rows_ = hard_ = 0;
+    const auto add = [this](int row)
     {
-      const int i = soft_[k];
-      iterate.lambda(i) = rows.A.row(i).dot(iterate.y) - b(i);
-      gradient += iterate.lambda(i) * rows.A.row(i).transpose();
+      row_[rows_++] = row;
+    };
+    for_each(active & ~program_.soft, add);
+    hard_ = rows_;
+    for_each(active & program_.soft, add);
+
+    // twice, because the first time leaves what the cancellation in it amounts to
+    R_.setZero();
+    for (int k = 0; k < hard_; ++k)
+    {
+      Vector rest = program_.a(row_[k]);
+      for (int times = 0; times < 2; ++times)
+        for (int j = 0; j < k; ++j)
+        {
+          const double share = Y_.col(j).dot(rest);
+          R_(j, k) += share;
+          rest -= share * Y_.col(j);
+        }
+      R_(k, k) = rest.norm();
+      per_pivot_[k] = 1.0 / R_(k, k);
+      Y_.col(k) = rest * per_pivot_[k];
     }
-    set_hard(iterate.lambda, gradient);
-    return iterate;
+    free_ = 3 - hard_;
+    if (rows_ == 0)
+      return;
+    if (hard_ == 0)
+      Z_.setIdentity();
+    else if (hard_ == 1)
+    {
+      int least;
+      const Vector y = Y_.col(0);
+      y.cwiseAbs().minCoeff(&least);
+      Z_.col(0) = y.cross(Vector::Unit(least)).normalized();
+      Z_.col(1) = y.cross(Z_.col(0));
+    }
+    else if (hard_ == 2)
+      Z_.col(0) = Y_.col(0).cross(Y_.col(1)).normalized();
+
+    for (int k = 0; k < free_; ++k)
+    {
+      Column& q = Q_[k];
+      const Vector z = Z_.col(k);
+      for (int i = 0; i < 3; ++i)
+        q[i] = L_.col(i).tail(3 - i).dot(z.tail(3 - i));
+      for (int i = hard_; i < rows_; ++i)
+        q[3 + i - hard_] = program_.a(row_[i]).dot(z);
+      for (int j = 0; j < k; ++j)
+        U_(j, k) = take(j, q);
+      per_squared_[k] = 1.0 / dot(q, q);
+    }
   }
 
-  Direction towards(int p) const
+  int size() const { return rows_; }
+  int row(int place) const { return row_[place]; }
+
+  // minimises ½ yᵀ H y + gᵀ y + ½ Σ λ_i² of the soft rows. b: of the rows; zeros if there is none
+  void minimum(const Vector& g, const PerRow* b, Solved& solved) const
   {
-    const Rows& rows = program_.rows;
-    const Variables a = rows.A.row(p).transpose();
-    const Variables free = Z_.transpose() * a;
+    const auto bound = [&](int place)
+    {
+      return b ? (*b)[row_[place]] : 0.0;
+    };
+    Vector& y = solved.y;
+    if (rows_ == 0)
+    {
+      y = -from_right(from_left(g));
+      return;
+    }
+
+    // Y R⁻ᵀ b, and c − C y of that
+    y.setZero();
+    std::array<double, 3> along;
+    for (int k = 0; k < hard_; ++k)
+    {
+      double rest = bound(k);
+      for (int j = 0; j < k; ++j)
+        rest -= R_(j, k) * along[j];
+      along[k] = rest * per_pivot_[k];
+      y += along[k] * Y_.col(k);
+    }
+    Column c;
+    const Vector of_g = from_left(g);
+    for (int i = 0; i < 3; ++i)
+      c[i] = -of_g(i) - L_.col(i).tail(3 - i).dot(y.tail(3 - i));
+    for (int i = hard_; i < rows_; ++i)
+      c[3 + i - hard_] = bound(i) - program_.a(row_[i]).dot(y);
+
+    std::array<double, 3> z;
+    for (int k = 0; k < free_; ++k)
+      z[k] = take(k, c);
+    for (int k = free_ - 1; k >= 0; --k)
+    {
+      for (int j = k + 1; j < free_; ++j)
+        z[k] -= U_(k, j) * z[j];
+      y += z[k] * Z_.col(k);
+    }
+
+    Vector gradient = program_.H * y + g;
+    for (int i = hard_; i < rows_; ++i)
+    {
+      const Vector a = program_.a(row_[i]);
+      solved.lambda[i] = a.dot(y) - bound(i);
+      gradient += solved.lambda[i] * a;
+    }
+    take_over(gradient, solved.lambda);
+  }
+
+  // how the multipliers change as that of another row p grows by 1; returns how fast p's violation shrinks
+  double towards(int p, PerRow& change) const
+  {
+    const Vector a = program_.a(p);
+    double closing = program_.soft[p] ? 1.0 : 0.0;
+    if (rows_ == 0)
+      return closing + from_left(a).squaredNorm();
+
+    std::array<double, 3> free;
+    double free_squared = 0.0;
+    for (int k = 0; k < free_; ++k)
+    {
+      free[k] = Z_.col(k).dot(a);
+      free_squared += free[k] * free[k];
+    }
 
     // what the hard rows can take over of the normal; what is left of it beyond rounding is independent of them
-    Direction direction{{Variables::Zero(a.size()), Multipliers::Zero(rows.size())}, 0.0};
-    set_hard(direction.change.lambda, a);
-    double size = a.norm();
-    for (Eigen::Index k = 0; k < num_hard_; ++k)
-      size += std::abs(direction.change.lambda(hard_[k])) * rows.A.row(hard_[k]).norm();
-    if (free.norm() > kRounding * size)
+    std::fill_n(change.begin(), rows_, 0.0);
+    take_over(a, change);
+    double scale = program_.length(p);
+    for (int k = 0; k < hard_; ++k)
+      scale += std::abs(change[k]) * program_.length(row_[k]);
+    if (free_squared > kRounding * kRounding * scale * scale)
     {
-      direction.change = minimum(a, Multipliers::Zero(rows.size()));
-      const auto R = qr_of_CZ_.matrixQR().topRows(free.size()).triangularView<Eigen::Upper>();
-      direction.closing = R.transpose().solve(free).squaredNorm();
+      Solved solved;
+      minimum(a, nullptr, solved);
+      std::copy_n(solved.lambda.begin(), rows_, change.begin());
+      // freeᵀ ((C Z)ᵀ C Z)⁻¹ free
+      for (int k = 0; k < free_; ++k)
+      {
+        for (int j = 0; j < k; ++j)
+          free[k] -= U_(j, k) * free[j];
+        closing += free[k] * free[k] * per_squared_[k];
+      }
     }
-    if (rows.soft[p])
-      direction.closing += 1.0;
-    return direction;
+    return closing;
   }
 
 private:
-  using Tall = BoundedVector<kMaxVariables + kMaxRows>;
+  using Column = std::array<double, 3 + kMaxRows>;
 
-  void set_hard(Multipliers& lambda, const Variables& gradient) const
+  // L⁻¹ x and L⁻ᵀ x
+  Vector from_left(const Vector& x) const
   {
-    const Variables of_hard = -R_.triangularView<Eigen::Upper>().solve(Y_.transpose() * gradient);
-    for (Eigen::Index k = 0; k < num_hard_; ++k)
-      lambda(hard_[k]) = of_hard(k);
+    Vector z;
+    z(0) = x(0) * per_pivot_of_L_(0);
+    z(1) = (x(1) - L_(1, 0) * z(0)) * per_pivot_of_L_(1);
+    z(2) = (x(2) - L_(2, 0) * z(0) - L_(2, 1) * z(1)) * per_pivot_of_L_(2);
+    return z;
+  }
+  Vector from_right(const Vector& x) const
+  {
+    Vector z;
+    z(2) = x(2) * per_pivot_of_L_(2);
+    z(1) = (x(1) - L_(2, 1) * z(2)) * per_pivot_of_L_(1);
+    z(0) = (x(0) - L_(1, 0) * z(1) - L_(2, 0) * z(2)) * per_pivot_of_L_(0);
+    return z;
+  }
+  double dot(const Column& x, const Column& y) const
+  {
+    double sum = x[0] * y[0] + x[1] * y[1] + x[2] * y[2];
+    for (int i = 3; i < 3 + rows_ - hard_; ++i)
+      sum += x[i] * y[i];
+    return sum;
+  }
+  // takes out of x what it shares with Q's column k, and returns how often that is in it
+  double take(int k, Column& x) const
+  {
+    const double share = dot(Q_[k], x) * per_squared_[k];
+    for (int i = 0; i < 3 + rows_ - hard_; ++i)
+      x[i] -= share * Q_[k][i];
+    return share;
+  }
+  // λ of the hard rows by which Σ λ_i a_i takes over −gradient, as far as they can
+  void take_over(const Vector& gradient, PerRow& lambda) const
+  {
+    for (int k = hard_ - 1; k >= 0; --k)
+    {
+      double rest = -Y_.col(k).dot(gradient);
+      for (int j = k + 1; j < hard_; ++j)
+        rest -= R_(k, j) * lambda[j];
+      lambda[k] = rest * per_pivot_[k];
+    }
   }
 
-  const QuadraticProgram& program_;
-  const Eigen::LLT<Square>& llt_;
-  Eigen::Matrix<int, kMaxVariables, 1> hard_;
-  Eigen::Matrix<int, kMaxRows, 1> soft_;
-  Eigen::Index num_hard_ = 0, num_soft_ = 0;
-  Square Y_, Z_, R_;
-  Bounded<kMaxVariables + kMaxRows, kMaxVariables> C_;
-  Eigen::HouseholderQR<Bounded<kMaxVariables + kMaxRows, kMaxVariables>> qr_of_CZ_;
+  const Program& program_;
+  const Matrix& L_; // of H = L Lᵀ
+  const Vector& per_pivot_of_L_;
+  std::array<int, kMaxRows> row_; // hard ones first
+  int rows_ = 0, hard_ = 0, free_ = 3;
+  Matrix Y_, R_, Z_, U_;
+  std::array<Column, 3> Q_;
+  std::array<double, 3> per_pivot_;   // 1 / of R's diagonal
+  std::array<double, 3> per_squared_; // 1 / |q|² of Q's columns
 };
+
+// of these rows, the only ones with multipliers
+KktResiduals residuals(const Program& program, const Vector& y, const PerRow& lambda, const RowSet& rows)
+{
+  const double y_size = y.norm();
+  Vector forces = program.H * y + program.g;
+  double force_size = std::max({program.H_size * y_size, program.g.norm(), 1.0});
+  double largest = 1.0;
+  for_each(rows,
+           [&](int i)
+           {
+             largest = std::max(largest, std::abs(lambda[i]));
+             forces += lambda[i] * program.a(i);
+             force_size = std::max(force_size, std::abs(lambda[i]) * program.length(i));
+           });
+  KktResiduals worst{forces.norm() / force_size, 0.0, 0.0, 0.0};
+  for_each(rows,
+           [&](int i)
+           {
+             const double lacks = program.violation(i, y) - (program.soft[i] ? lambda[i] : 0.0);
+             const double violation = lacks / program.scale(i, y.squaredNorm());
+             worst.violation = std::max(worst.violation, violation);
+             worst.sign = std::max(worst.sign, -lambda[i] / largest);
+             worst.complementarity = std::max(worst.complementarity, lambda[i] / largest * std::abs(violation));
+           });
+  return worst;
+}
+
+RowSet all_rows(const Program& program)
+{
+  return program.size == 0 ? RowSet() : RowSet(~std::uint64_t{0} >> (kMaxRows - program.size));
+}
+
+bool is_optimal(const Program& program, const Vector& y, const PerRow& lambda, const RowSet& rows)
+{
+  // what is not a number is in the sum, though no comparison may have seen it
+  const KktResiduals worst = residuals(program, y, lambda, rows);
+  return worst.largest() <= kKktTolerance && std::isfinite(worst.stationarity + y.sum());
+}
 
 // The dual active-set method: the working set, and the y and λ that solve the program with its rows as equalities.
 class DualMethod
 {
 public:
-  explicit DualMethod(const QuadraticProgram& program) : program_(program), llt_(program.H) {}
+  /// Rows of the program that contradict one another by no more than rounding are relaxed by as much.
+  /// active: a working set to begin with, as another run has left it.
+  explicit DualMethod(Program& program, const RowSet& active = {})
+      : program_(program), active_(active), equalities_(program, L_, per_pivot_of_L_)
+  {
+  }
 
   QuadraticProgramStatus run()
   {
-    if (!well_posed())
-      return QuadraticProgramStatus::not_solved;
+    using enum QuadraticProgramStatus;
+    if (!is_finite() || !factorize(program_.H, L_, per_pivot_of_L_))
+      return not_solved;
+    std::fill_n(lambda_.begin(), program_.size, 0.0);
+    equalities_.set(active_);
     settle();
     for (int p; (p = most_violated()) >= 0;)
-      if (const QuadraticProgramStatus status = meet(p); status != QuadraticProgramStatus::optimal)
+      if (const QuadraticProgramStatus status = meet(p); status != optimal)
         return status;
-    return QuadraticProgramStatus::optimal;
+    // the rows beyond the working set are met, or one of them would be the most violated; if no square overflowed
+    return std::isfinite(size_ * y_.squaredNorm()) && is_optimal(program_, y_, lambda_, active_) ? optimal : not_solved;
   }
 
-  const Iterate& at() const { return at_; }
+  const Vector& y() const { return y_; }
+  const PerRow& lambda() const { return lambda_; }
   int steps() const { return steps_; }
+  const RowSet& active() const { return active_; }
+  /// Whether rows were relaxed by what rounding accounts for.
+  bool relaxed() const { return relaxed_; }
 
 private:
   // How far to go until the first multiplier is zero, and whose it is.
@@ -191,36 +411,35 @@ private:
     double t = kInfinity;
   };
 
-  bool well_posed() const
+  bool is_finite()
   {
-    const Rows& rows = program_.rows;
-    if (!std::isfinite(program_.H.squaredNorm() + program_.g.squaredNorm() + rows.A.squaredNorm() +
-                       rows.b.squaredNorm()))
-      return false;
-    const Variables pivots = llt_.matrixLLT().diagonal().array().square();
-    return llt_.info() == Eigen::Success && (pivots.array() > kRounding * program_.H.diagonal().array()).all();
+    size_ = program_.H.squaredNorm() + program_.g.squaredNorm();
+    for (int i = 0; i < program_.size; ++i)
+      size_ += program_.squared[i] + program_.b[i] * program_.b[i];
+    return std::isfinite(size_);
   }
 
   // Lets λ_p grow until row p is met, and drops each row whose multiplier comes to zero before.
   QuadraticProgramStatus meet(int p)
   {
     using enum QuadraticProgramStatus;
-    const Rows& rows = program_.rows;
+    const double soft = program_.soft[p] ? 1.0 : 0.0;
     for (double lambda_p = 0.0;;)
     {
       if (++steps_ > kMaxSteps)
         return not_solved;
-      const Direction direction = Equalities(program_, llt_, active_).towards(p);
-      const double lacks = std::max(0.0, violation(rows, p, at_.y, lambda_p));
-      const double to_row = direction.closing > 0.0 ? lacks / direction.closing : kInfinity;
-      const Block block = first_block(direction.change.lambda, rows.A.row(p).norm());
+      PerRow change;
+      const double closing = equalities_.towards(p, change);
+      const double lacks = std::max(0.0, program_.violation(p, y_) - soft * lambda_p);
+      const double to_row = closing > 0.0 ? lacks / closing : kInfinity;
+      const Block block = first_block(change, program_.length(p));
 
       if (to_row == kInfinity)
       {
         // the row's normal is −Σ change_i a_i of the hard rows. Where nothing blocks, change ≥ 0: no y meets them all.
         // But what rounding accounts for is not lacking
         const double tolerance = block.row < 0 ? kRowTolerance : 16.0 * kEpsilon;
-        if (relax(p, lacks, direction.change.lambda, tolerance))
+        if (relax(p, lacks, change, tolerance))
           break;
         if (block.row < 0)
           return infeasible;
@@ -228,12 +447,15 @@ private:
       if (to_row <= block.t)
       {
         active_.set(p);
+        equalities_.set(active_);
         break;
       }
       lambda_p += block.t;
       active_.reset(block.row);
-      solve_equalities(program_.g + lambda_p * rows.A.row(p).transpose());
-      at_.lambda = at_.lambda.cwiseMax(0.0);
+      equalities_.set(active_);
+      lambda_[block.row] = 0.0;
+      solve_equalities(program_.g + lambda_p * program_.a(p));
+      keep_from_pulling();
     }
     settle();
     return optimal;
@@ -242,91 +464,133 @@ private:
   // The inactive row that is violated most, if any is.
   int most_violated() const
   {
+    // by squares, because roots and quotients take longer than all else here
+    const double y_squared = y_.squaredNorm();
     int worst = -1;
-    double largest = kRowTolerance;
-    for (int i = 0; i < program_.rows.size(); ++i)
-    {
-      const double relative =
-          active_[i] ? 0.0 : violation(program_.rows, i, at_.y, 0.0) / size_of(program_.rows, i, at_.y);
-      if (relative > largest)
-      {
-        worst = i;
-        largest = relative;
-      }
-    }
+    double most = kRowTolerance * kRowTolerance;
+    for (int i = 0; i < program_.size; ++i)
+      if (const double lacks = program_.violation(i, y_); lacks > 0.0)
+        if (const double scale = program_.scale_squared(i, y_squared); lacks * lacks > most * scale && !active_[i])
+        {
+          worst = i;
+          most = lacks * lacks / scale;
+        }
     return worst;
   }
 
   // Of several rows the one that falls fastest, so that what stays in the working set is as independent as can be.
-  Block first_block(const Multipliers& change, double size_p) const
+  Block first_block(const PerRow& change, double length_p) const
   {
-    const Rows& rows = program_.rows;
-    Multipliers falls(rows.size());
-    double least = size_p;
-    for (int i = 0; i < rows.size(); ++i)
+    const auto falls = [&](int place)
     {
-      falls(i) = -change(i) * rows.A.row(i).norm();
-      least = std::max(least, std::abs(falls(i)));
+      return -change[place] * program_.length(equalities_.row(place));
+    };
+    double least = length_p, largest = 0.0;
+    for (int k = 0; k < equalities_.size(); ++k)
+    {
+      least = std::max(least, std::abs(falls(k)));
+      largest = std::max(largest, lambda_[equalities_.row(k)]);
     }
     least *= kRounding;
     double t = kInfinity;
-    for (int i = 0; i < rows.size(); ++i)
-      if (falls(i) > least)
-        t = std::min(t, -at_.lambda(i) / change(i));
+    for (int k = 0; k < equalities_.size(); ++k)
+      if (falls(k) > least)
+        t = std::min(t, -lambda_[equalities_.row(k)] / change[k]);
     Block block;
-    for (int i = 0; i < rows.size(); ++i)
-      if (falls(i) > least && at_.lambda(i) + change(i) * t <= kRounding * at_.lambda.maxCoeff() &&
-          (block.row < 0 || falls(i) > falls(block.row)))
-        block = {i, -at_.lambda(i) / change(i)};
+    double fastest = 0.0;
+    for (int k = 0; k < equalities_.size(); ++k)
+    {
+      const int i = equalities_.row(k);
+      if (falls(k) > least && lambda_[i] + change[k] * t <= kRounding * largest &&
+          (block.row < 0 || falls(k) > fastest))
+      {
+        block = {i, -lambda_[i] / change[k]};
+        fastest = falls(k);
+      }
+    }
     return block;
   }
 
   // If each of the rows that add up to what row p lacks accounts for it with no more than a tolerance of its size:
   // gives them twice that, or what shows at all.
-  bool relax(int p, double lacks, const Multipliers& change, double tolerance)
+  bool relax(int p, double lacks, const PerRow& change, double tolerance)
   {
-    Rows& rows = program_.rows;
-    Multipliers size = Multipliers::Zero(rows.size());
-    for (int i = 0; i < rows.size(); ++i)
-      if (i == p || change(i) > 0.0)
-        size(i) = size_of(rows, i, at_.y);
-    const double share = lacks / (size(p) + size.dot(change));
+    const double y_squared = y_.squaredNorm();
+    double scale = program_.scale(p, y_squared);
+    for (int k = 0; k < equalities_.size(); ++k)
+      if (change[k] > 0.0)
+        scale += change[k] * program_.scale(equalities_.row(k), y_squared);
+    const double share = lacks / scale;
     if (share > tolerance)
       return false;
-    rows.b += std::max(2.0 * share, 4.0 * kEpsilon) * size;
+    relaxed_ = true;
+    const double grant = std::max(2.0 * share, 4.0 * kEpsilon);
+    program_.b[p] += grant * program_.scale(p, y_squared);
+    for (int k = 0; k < equalities_.size(); ++k)
+      if (const int i = equalities_.row(k); change[k] > 0.0)
+        program_.b[i] += grant * program_.scale(i, y_squared);
     return true;
   }
 
   // Solves with the working set, and drops from it what would pull.
   void settle()
   {
-    const Rows& rows = program_.rows;
     for (;;)
     {
       solve_equalities(program_.g);
+      double largest = std::max({program_.H_size * y_.norm(), program_.g.norm(), 1.0});
+      for (int k = 0; k < equalities_.size(); ++k)
+        largest = std::max(largest, std::abs(lambda_[equalities_.row(k)]) * program_.length(equalities_.row(k)));
       int worst = -1;
-      double most = kRounding * size_of_forces(program_, at_.y, at_.lambda);
-      for (int i = 0; i < rows.size(); ++i)
-        if (const double pull = -at_.lambda(i) * rows.A.row(i).norm(); pull > most)
+      double most = kRounding * largest;
+      for (int k = 0; k < equalities_.size(); ++k)
+        if (const int i = equalities_.row(k); - lambda_[i] * program_.length(i) > most)
         {
           worst = i;
-          most = pull;
+          most = -lambda_[i] * program_.length(i);
         }
       if (worst < 0)
         break;
       active_.reset(worst);
+      lambda_[worst] = 0.0;
+      equalities_.set(active_);
     }
-    at_.lambda = at_.lambda.cwiseMax(0.0);
+    keep_from_pulling();
   }
 
-  void solve_equalities(const Variables& g) { at_ = Equalities(program_, llt_, active_).minimum(g, program_.rows.b); }
+  void solve_equalities(const Vector& g)
+  {
+    Solved solved;
+    equalities_.minimum(g, &program_.b, solved);
+    y_ = solved.y;
+    for (int k = 0; k < equalities_.size(); ++k)
+      lambda_[equalities_.row(k)] = solved.lambda[k];
+  }
+  void keep_from_pulling()
+  {
+    for (int k = 0; k < equalities_.size(); ++k)
+      lambda_[equalities_.row(k)] = std::max(lambda_[equalities_.row(k)], 0.0);
+  }
 
-  QuadraticProgram program_; // b relaxed by rounding
-  Eigen::LLT<Square> llt_;   // of H
+  Program& program_;
+  Matrix L_;
+  Vector per_pivot_of_L_;
   RowSet active_;
-  Iterate at_;
+  Equalities equalities_; // of the working set
+  Vector y_;
+  PerRow lambda_;
+  double size_ = 0.0; // of all numbers, squared
   int steps_ = 0;
+  bool relaxed_ = false;
 };
+
+// y and λ in the form of the interface
+QuadraticProgramSolution optimum(Eigen::Index n, int rows, const Vector& y, const PerRow& lambda, int steps)
+{
+  QuadraticProgramSolution found{QuadraticProgramStatus::optimal, y.head(n), BoundedVector<kMaxRows>(rows), steps};
+  std::copy_n(lambda.begin(), rows, found.lambda.data());
+  return found;
+}
 
 } // namespace
 
@@ -340,30 +604,27 @@ KktResiduals kkt_residuals(const QuadraticProgram& program, const BoundedVector<
 {
   if (!y.allFinite() || !lambda.allFinite())
     return {kInfinity, kInfinity, kInfinity, kInfinity};
-  const Rows& rows = program.rows;
-  const Variables forces = program.H * y + program.g + rows.A.transpose() * lambda;
-  KktResiduals worst{forces.norm() / size_of_forces(program, y, lambda), 0.0, 0.0, 0.0};
-  const double size = std::max(1.0, lambda.size() ? lambda.cwiseAbs().maxCoeff() : 0.0);
-  for (int i = 0; i < rows.size(); ++i)
-  {
-    const double relative = torqued::violation(rows, i, y, lambda(i)) / size_of(rows, i, y);
-    worst.violation = std::max(worst.violation, relative);
-    worst.sign = std::max(worst.sign, -lambda(i) / size);
-    worst.complementarity = std::max(worst.complementarity, lambda(i) / size * std::abs(relative));
-  }
-  return worst;
+  Vector all = Vector::Zero();
+  all.head(y.size()) = y;
+  PerRow multipliers;
+  std::copy_n(lambda.data(), lambda.size(), multipliers.begin());
+  const Program padded(program);
+  return residuals(padded, all, multipliers, all_rows(padded));
 }
 
-QuadraticProgramSolution solve(const QuadraticProgram& program)
+QuadraticProgramSolution solve(const QuadraticProgram& asked)
 {
-  using enum QuadraticProgramStatus;
+  Program program(asked);
   DualMethod method(program);
   const QuadraticProgramStatus status = method.run();
-  if (status != optimal)
+  const Eigen::Index n = asked.g.size();
+  if (status != QuadraticProgramStatus::optimal)
     return {status, {}, {}, method.steps()};
-  if (!(kkt_residuals(program, method.at().y, method.at().lambda).largest() <= kKktTolerance))
-    return {not_solved, {}, {}, method.steps()};
-  return {optimal, method.at().y, method.at().lambda, method.steps()};
+  // against what was asked, if that is not what was solved
+  if (method.relaxed())
+    if (const Program before(asked); !is_optimal(before, method.y(), method.lambda(), all_rows(before)))
+      return {QuadraticProgramStatus::not_solved, {}, {}, method.steps()};
+  return optimum(n, program.size, method.y(), method.lambda(), method.steps());
 }
 
 QuadraticProgramSolution least_violation(const Rows& rows, const BoundedVector<kMaxVariables>& from)
@@ -371,35 +632,44 @@ QuadraticProgramSolution least_violation(const Rows& rows, const BoundedVector<k
   using enum QuadraticProgramStatus;
   constexpr int kMaxRounds = 30;
   const Eigen::Index n = from.size();
-  QuadraticProgramSolution solution{optimal, from, {}, 0};
-  QuadraticProgram step{Square::Zero(n, n), Variables::Zero(n), rows};
+  const Program asked(rows);
+  Program step = asked;
+  Vector y = Vector::Zero();
+  y.head(n) = from;
+  PerRow lambda;
+  int steps = 0;
   double delta = 1e-6;
   double before = kInfinity;
+  RowSet active;
   for (int round = 0; round < kMaxRounds; ++round)
   {
     // from where it stands, so that its rounding shrinks with the step
-    step.H.diagonal().setConstant(delta);
-    step.rows.b = rows.b - rows.A * solution.y;
-    const QuadraticProgramSolution next = solve(step);
-    solution.steps += next.steps;
-    if (next.status != optimal)
-      return {next.status, {}, {}, solution.steps};
-    solution.y += next.y;
-    solution.lambda = next.lambda;
+    step.H.diagonal().head(n).setConstant(delta);
+    step.H_size = delta * std::sqrt(static_cast<double>(n));
+    for (int i = 0; i < step.size; ++i)
+      step.b[i] = -asked.violation(i, y);
+    DualMethod method(step, active);
+    const QuadraticProgramStatus status = method.run();
+    steps += method.steps();
+    if (status != optimal)
+      return {status, {}, {}, steps};
+    active = method.active();
+    y += method.y();
+    lambda = method.lambda();
 
     // δ |y − y_before| is what is left of the gradient of ½ Σ v_i²
-    const double moved = next.y.norm();
+    const double moved = method.y().norm();
     if (delta * moved <= 1e-14)
       break;
     if (moved > 0.1 * before)
       delta = std::max(0.1 * delta, 1e-12);
     before = moved;
   }
-  step.H.setZero();
-  step.rows.b = rows.b;
-  if (!(kkt_residuals(step, solution.y, solution.lambda).largest() <= kKktTolerance))
-    return {not_solved, {}, {}, solution.steps};
-  return solution;
+  Program violations = asked;
+  violations.H.diagonal().head(n).setZero();
+  if (!is_optimal(violations, y, lambda, all_rows(violations)))
+    return {not_solved, {}, {}, steps};
+  return optimum(n, asked.size, y, lambda, steps);
 }
 
 } // namespace torqued
