@@ -4,6 +4,7 @@
 #include "bench/computations.h"
 #include "bench/footprint.h"
 #include "bench/logs.h"
+#include "bench/page.h"
 #include "bench/servers.h"
 
 #include "client/files.h"
@@ -54,7 +55,7 @@ int measure(int argc, char** argv)
   int number = 7;
   bool quick = false;
   std::vector<std::string> only;
-  std::string json;
+  std::string json, page;
   std::vector<std::string> names;
   for (const Part& part : kParts)
     names.emplace_back(part.name);
@@ -64,6 +65,7 @@ int measure(int argc, char** argv)
       ->check(CLI::IsMember(names))
       ->type_name("PART...");
   app.add_option("--json", json, "all rounds, as JSON")->type_name("FILE");
+  app.add_option("--page", page, "medians and the spread of the rounds, as a page for any browser")->type_name("FILE");
   CLI11_PARSE(app, argc, argv);
   if (std::getenv("LCM_DEFAULT_URL") == nullptr)
   {
@@ -77,12 +79,16 @@ int measure(int argc, char** argv)
       if (only.empty() || std::find(only.begin(), only.end(), part.name) != only.end())
         part.measure(rounds, quick);
   fmt::print("{}", rounds.table());
-  if (!json.empty())
+  const auto write = [](const std::string& path, const std::string& text)
   {
-    OutputFile file(json);
-    file.write(rounds.json());
+    if (path.empty())
+      return;
+    OutputFile file(path);
+    file.write(text);
     file.close();
-  }
+  };
+  write(json, rounds.json());
+  write(page, bench::page(rounds));
   return EXIT_SUCCESS;
 }
 

@@ -9,19 +9,16 @@
 namespace torqued::bench
 {
 
-namespace
+Spread spread_of(std::vector<double> rounds)
 {
-
-double median_of(std::vector<double> values)
-{
-  if (values.empty())
+  if (rounds.empty())
     throw std::out_of_range("no rounds");
-  std::sort(values.begin(), values.end());
-  const std::size_t middle = values.size() / 2;
-  return values.size() % 2 == 1 ? values[middle] : 0.5 * (values[middle - 1] + values[middle]);
+  std::sort(rounds.begin(), rounds.end());
+  const std::size_t middle = rounds.size() / 2;
+  return {rounds.front(), rounds.size() % 2 == 1 ? rounds[middle] : 0.5 * (rounds[middle - 1] + rounds[middle]),
+          rounds.back()};
 }
 
-// about three digits, never an exponent
 std::string rounded(double value)
 {
   const double size = std::abs(value);
@@ -34,8 +31,6 @@ std::string words(const Promise& promise, double found)
   return fmt::format("{}{} {:g}, {}", what, promise.at_least ? "at least" : "at most", promise.bound,
                      Rounds::kept(promise, found) ? "kept" : "missed");
 }
-
-} // namespace
 
 void Rounds::add(const std::string& group, const std::string& name, const std::string& unit, double value)
 {
@@ -64,7 +59,7 @@ const Row& Rounds::row(const std::string& group, const std::string& name) const
 
 double Rounds::median(const std::string& group, const std::string& name) const
 {
-  return median_of(row(group, name).rounds);
+  return spread_of(row(group, name).rounds).median;
 }
 
 double Rounds::ratio(const std::string& group, const std::string& name, const std::string& against) const
@@ -74,7 +69,7 @@ double Rounds::ratio(const std::string& group, const std::string& name, const st
   std::vector<double> ratios;
   for (std::size_t i = 0; i < std::min(above.size(), below.size()); ++i)
     ratios.push_back(above[i] / below[i]);
-  return median_of(ratios);
+  return spread_of(ratios).median;
 }
 
 std::optional<double> Rounds::found(const Promise& promise) const
@@ -90,24 +85,28 @@ std::optional<double> Rounds::found(const Promise& promise) const
   }
 }
 
-std::string Rounds::table() const
+std::vector<std::string> Rounds::groups() const
 {
   std::vector<std::string> groups;
   for (const Row& row : rows_)
     if (std::find(groups.begin(), groups.end(), row.group) == groups.end())
       groups.push_back(row.group);
+  return groups;
+}
 
+std::string Rounds::table() const
+{
   std::string text;
-  for (const std::string& group : groups)
+  for (const std::string& group : groups())
   {
     text += fmt::format("{}{}\n", text.empty() ? "" : "\n", group);
     for (const Row& row : rows_)
     {
       if (row.group != group)
         continue;
-      const auto [least, most] = std::minmax_element(row.rounds.begin(), row.rounds.end());
-      const std::string line = fmt::format("  {:<26}{:>8} {:<9}{:>8} – {:<8} ", row.name,
-                                           rounded(median_of(row.rounds)), row.unit, rounded(*least), rounded(*most));
+      const Spread spread = spread_of(row.rounds);
+      const std::string line = fmt::format("  {:<26}{:>8} {:<9}{:>8} – {:<8} ", row.name, rounded(spread.median),
+                                           row.unit, rounded(spread.least), rounded(spread.most));
       std::vector<std::string> promised;
       for (const Promise& promise : promises_)
         if (const auto value = found(promise); value && promise.group == group && promise.name == row.name)
@@ -128,7 +127,7 @@ std::string Rounds::json() const
     said["rows"].push_back({{"group", row.group},
                             {"name", row.name},
                             {"unit", row.unit},
-                            {"median", median_of(row.rounds)},
+                            {"median", spread_of(row.rounds).median},
                             {"rounds", row.rounds}});
   for (const Promise& promise : promises_)
   {

@@ -30,6 +30,21 @@ struct Promise
   bool operator==(const Promise&) const = default;
 };
 
+/// What is reported of a row's rounds.
+struct Spread
+{
+  double least, median, most;
+};
+
+/// Throws std::out_of_range if there are none.
+Spread spread_of(std::vector<double> rounds);
+
+/// A number for people: about three digits, never an exponent.
+std::string rounded(double value);
+
+/// The promise, what was found, and whether it is kept, in one line.
+std::string words(const Promise& promise, double found);
+
 /// All rows, in the order in which they were first added.
 class Rounds
 {
@@ -40,6 +55,8 @@ public:
 
   const std::vector<Row>& rows() const { return rows_; }
   const std::vector<Promise>& promises() const { return promises_; }
+  /// In the order of their first rows.
+  std::vector<std::string> groups() const;
 
   /// Median of the row. Throws std::out_of_range where there is none.
   double median(const std::string& group, const std::string& name) const;
