@@ -1,5 +1,6 @@
 #include "bench/computations.h"
 
+#include "bench/full_form.h"
 #include "bench/peers.h"
 #include "udwadia_kalaba.h"
 
@@ -14,6 +15,7 @@
 #include <benchmark/benchmark.h>
 #include <chrono>
 #include <cmath>
+#include <fmt/format.h>
 #include <memory>
 #include <stdexcept>
 #include <string>
@@ -92,7 +94,7 @@ void answers(benchmark::State& state, const Walk& walk, Method method)
   }
 }
 
-// as many as the robot has directions, one at a time by libm: what any computation of this robot begins with
+// as many as the robot has directions, once per angle by libm: what any computation of this robot begins with
 void sines_and_cosines(benchmark::State& state, const Walk& walk)
 {
   const int count = walk.robot.mechanism.num_directions();
@@ -104,8 +106,7 @@ void sines_and_cosines(benchmark::State& state, const Walk& walk)
     for (int k = 0; k < count; ++k)
     {
       const auto at = static_cast<std::size_t>(2 * k);
-      e[at] = std::cos(q(k % q.size()));
-      e[at + 1] = std::sin(q(k % q.size()));
+      sincos(q(k % q.size()), &e[at + 1], &e[at]);
     }
     benchmark::DoNotOptimize(e);
   }
@@ -162,6 +163,119 @@ void elimination(benchmark::State& state, const Walk& walk, EliminationMethod me
   const EquationOfMotion equation = equation_of_motion(walk.robot, motion, support, Coordinates::absolute);
   for (auto _ : state)
     benchmark::DoNotOptimize(eliminate(equation.J, equation.Jdot, method));
+}
+
+// the program of constrained, in one of two forms, by the same dense solver
+void dense(benchmark::State& state, const Walk& walk,
+           DenseProgram (*form)(const Robot&, const DesiredState&, const SupportEquations&, const Constrained&))
+{
+  std::vector<DenseProgram> programs;
+  for (std::size_t i = 0; i < walk.both.size(); i += 10)
+    programs.push_back(form(walk.robot, walk.both[i],
+                            std::get<SupportEquations>(support_equations(walk.robot, walk.both[i])), Constrained{}));
+  Cycle cycle(programs);
+  for (auto _ : state)
+  {
+    const Eigen::VectorXd x = solve_dense(cycle.next());
+    benchmark::DoNotOptimize(&x);
+  }
+}
+
+// both forms give the torques of constrained
+void check_dense(const Walk& walk)
+{
+  for (std::size_t i = 0; i < walk.both.size(); i += 10)
+  {
+    const DesiredState& desired = walk.both[i];
+    const auto equations = std::get<SupportEquations>(support_equations(walk.robot, desired));
+    const auto ours = std::get<TorqueSolution>(
+        solve_torques(walk.robot, equations, desired.support, Method::constrained, MethodSettings{}, 1e-3));
+    const int motors = walk.robot.num_joints();
+    const Eigen::VectorXd full = solve_dense(full_form(walk.robot, desired, equations, Constrained{})).head(motors);
+    const AdmissibleReactions all = admissible_reactions(walk.robot, equations, desired.support);
+    const ReactionTorques torques = reaction_torques(walk.robot, equations, desired.support, all);
+    const Eigen::VectorXd y = solve_dense(null_space_form(walk.robot, desired, equations, Constrained{}));
+    const Eigen::VectorXd null_space = torques.tau0.head(motors) + torques.T.topRows(motors) * y;
+    const double size = walk.robot.weight() * walk.robot.leg_length;
+    if (!(full - ours.torque).isZero(1e-5 * size) || !(null_space - ours.torque).isZero(1e-6 * size))
+      throw std::runtime_error("the dense solver finds other torques than constrained does");
+  }
+}
+
+// A biped of so many links: a trunk, and legs of equal links, of which the last have soles.
+Robot biped_of(int links)
+{
+  const int per_leg = (links - 1) / 2;
+  const double length = 0.9 / per_leg;
+  std::string toml = R"(name = "biped"
+gravity = 9.81
+[[link]]
+name = "trunk"
+joint = "floating"
+mass = 30
+com = [0, 0.2]
+inertia = 0.8
+)";
+  for (const Side side : kSides)
+  {
+    std::string parent = "trunk";
+    for (int i = 0; i < per_leg; ++i)
+    {
+      const std::string name = fmt::format("{}_{}", name_of(side), i);
+      toml += fmt::format(R"([[link]]
+name = "{}"
+joint = "revolute"
+parent = "{}"
+at = [0, {}]
+mass = 3
+com = [0.01, {}]
+inertia = 0.03
+)",
+                          name, parent, i == 0 ? 0.0 : -length, -0.4 * length);
+      parent = name;
+    }
+    toml += fmt::format(R"([[foot]]
+side = "{}"
+link = "{}"
+ankle = [0, {}]
+heel = [-0.07, {}]
+toe = [0.15, {}]
+friction = 0.8
+)",
+                        name_of(side), parent, -length, -length - 0.06, -length - 0.06);
+  }
+  return read_toml_robot(toml, "biped.toml");
+}
+
+// on one sole, which is level; the other links anywhere
+void answers_of_links(benchmark::State& state, const Robot& robot)
+{
+  const int n = robot.num_coordinates();
+  std::vector<DesiredState> states;
+  for (int i = 0; i < 100; ++i)
+  {
+    DesiredState desired{};
+    desired.support = {{Contact::sole, Contact::none}, Side::left, 0.0, 0.0};
+    desired.q = desired.v = desired.a = VectorQ::Zero(n + 2);
+    for (int k = 0; k < n; ++k)
+      if (k != robot.foot(Side::left).direction)
+      {
+        desired.q(k) = 0.3 * std::sin(1.0 + i + 2.0 * k);
+        desired.v(k) = std::sin(2.0 + 2.0 * i + k);
+        desired.a(k) = 5.0 * std::sin(3.0 + 3.0 * i + k);
+      }
+    states.push_back(desired);
+  }
+  const AnswerSettings settings;
+  StreamMemory memory;
+  Cycle cycle(states);
+  for (auto _ : state)
+  {
+    const Result<Answer> answered = answer(robot, settings, cycle.next(), memory);
+    if (!std::holds_alternative<Answer>(answered))
+      state.SkipWithError("a sample was refused");
+    benchmark::DoNotOptimize(&answered);
+  }
 }
 
 void other_engine(benchmark::State& state, Peer& peer, int motions)
@@ -257,6 +371,18 @@ const std::vector<std::unique_ptr<Subject>>& subjects()
   return all;
 }
 
+const std::vector<Robot>& bipeds()
+{
+  static const std::vector<Robot> all = []
+  {
+    std::vector<Robot> robots;
+    for (int links = 3; links <= 13; links += 2)
+      robots.push_back(biped_of(links));
+    return robots;
+  }();
+  return all;
+}
+
 void register_all(double seconds)
 {
   const auto add = [seconds](const std::string& group, std::string_view name, const auto& function)
@@ -277,6 +403,15 @@ void register_all(double seconds)
           [walk, &peer](benchmark::State& state)
           { other_engine(state, *peer, static_cast<int>(walk->single.size())); });
   }
+  for (const Robot& robot : bipeds())
+    add("links, single support", std::to_string(robot.links.size()),
+        [&robot](benchmark::State& state) { answers_of_links(state, robot); });
+  const Walk* const ck = &subjects().front()->walk;
+  check_dense(*ck);
+  add("quadratic program, ck, by a dense solver", "in y",
+      [ck](benchmark::State& state) { dense(state, *ck, null_space_form); });
+  add("quadratic program, ck, by a dense solver", "in torques and reactions",
+      [ck](benchmark::State& state) { dense(state, *ck, full_form); });
   // double support of the measured walk: 3 coordinates are free of 9
   const Walk* const walk = &subjects().back()->walk;
   const std::string group = "free coordinates, human-subject01";
