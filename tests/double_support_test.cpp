@@ -465,8 +465,8 @@ TEST_CASE("both legs carry the trunk: f* is its rate of momentum, and what the l
                             ck.s3 * (A(6) * Eigen::Vector2d(-c, -s) - V(6) * V(6) * Eigen::Vector2d(-s, c));
                         const Eigen::Vector2d force = ck.m3 * acceleration;
                         const Eigen::Vector3d expected(force.x(), force.y(), ck.I3 * A(6) + cross(com, force));
-                        const auto found = std::get<CarriedTrunk>(
-                            tracked_reaction(now.robot, now.equations, now.support(), LinearTransition{}));
+                        const Reactions chosen{now.solution(Method::linear_transition).w};
+                        const CarriedTrunk found = carried_trunk(now.robot, now.equations, now.support(), chosen, 0.0);
                         CHECK(mismatch(found.trunk, expected, 1e-10) == "");
                       });
 }
@@ -497,8 +497,11 @@ TEST_CASE("procedures 3 and 4 are the linear transition, and a clamp changes the
                         // [η; σ̄] by the pseudo-inverse of [1 f*], and what the paper's η would leave of (71)
                         const auto found = std::get<CarriedTrunk>(
                             tracked_internal(now.robot, now.equations, now.support(), settings.linear_transition));
-                        const auto x = std::get<CarriedTrunk>(
-                            tracked_reaction(now.robot, now.equations, now.support(), settings.linear_transition));
+                        const CarriedTrunk x =
+                            carried_trunk(now.robot, now.equations, now.support(), Reactions{linear.w}, 0.0);
+                        // (71): what one leg carries determines both feet's reactions
+                        const WrenchVector below = reactions_below(now.robot, now.equations, now.support(), x.internal);
+                        CHECK((below - linear.w).cwiseAbs().maxCoeff() < 1e-10 * unit);
                         Eigen::Matrix<double, 3, 4> both;
                         both << Eigen::Matrix3d::Identity(), found.trunk;
                         const Eigen::Vector4d least = both.completeOrthogonalDecomposition().solve(

@@ -65,11 +65,10 @@ Result<Reactions> choose(const Robot& robot, const SupportEquations& equations, 
   switch (method)
   {
   case Method::pseudo_inverse: return pseudo_inverse(robot, equations, support, all, settings.pseudo_inverse);
+  case Method::tracked_reaction: // has the same reactions, trunk_wrench.h
   case Method::linear_transition: return linear_transition(robot, equations, support, settings.linear_transition);
   case Method::internal_wrench: return least_torque(robot, equations, support, all, settings.internal_wrench.weights);
   case Method::torso_wrench: return least_torque(robot, equations, support, all, settings.torso_wrench.weights);
-  case Method::tracked_reaction:
-    return reactions_of(tracked_reaction(robot, equations, support, settings.linear_transition));
   case Method::tracked_internal:
     return reactions_of(tracked_internal(robot, equations, support, settings.linear_transition));
   case Method::constrained: return constrained(robot, equations, support, all, settings.constrained, settings.relax);

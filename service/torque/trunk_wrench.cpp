@@ -8,18 +8,10 @@ namespace torqued
 namespace
 {
 
-// row (f_x, f_z, m) of a wrench's moment about the point at r from where m is taken
-Eigen::RowVector3d moment_about(const Eigen::Vector2d& r)
-{
-  return {r.y(), -r.x(), 1.0};
-}
-
 // the same wrench about the point at r
-Eigen::Matrix3d transport(const Eigen::Vector2d& r)
+Eigen::Vector3d about(const Eigen::Vector2d& r, const Eigen::Vector3d& f)
 {
-  Eigen::Matrix3d U = Eigen::Matrix3d::Identity();
-  U.row(2) = moment_about(r);
-  return U;
+  return {f(0), f(1), f(2) - cross(r, f.head<2>())};
 }
 
 // The trunk, the legs and the feet; wrenches about the trunk's origin.
@@ -37,10 +29,13 @@ Legs legs_of(const Robot& robot, const SupportEquations& equations)
   const Kinematics& now = equations.now;
   const VectorD& turning = equations.turn;
   const Eigen::Vector2d& base_acceleration = equations.base_acceleration;
-  Legs legs{position(now, robot.link(robot.trunk).origin), {}, {Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero()}};
+  Legs legs{position(now, robot.link(robot.trunk).origin),
+            Eigen::Vector3d::Zero(),
+            {Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero()}};
+  auto& [left, right] = legs.rate;
   for (std::size_t i = 0; i < robot.links.size(); ++i)
   {
-    if (!robot.leg[i])
+    if (robot.leg[i] == Side::right) // what the others leave of the whole
       continue;
     // rate of momentum, about the trunk's origin: the force at the link's frame, and about that frame
     const Link& link = robot.links[i];
@@ -62,54 +57,21 @@ Legs legs_of(const Robot& robot, const SupportEquations& equations)
     add(link.direction, c);
     const Eigen::Vector2d force = link.mass * up;
     moment += cross(place, force);
-    legs.rate[static_cast<std::size_t>(*robot.leg[i])] += Eigen::Vector3d(force.x(), force.y(), moment);
+    Eigen::Vector3d& rate = robot.leg[i] ? left : legs.trunk;
+    rate += Eigen::Vector3d(force.x(), force.y(), moment);
   }
-  legs.trunk << equations.force(), equations.d(2) - cross(legs.origin - equations.base(), equations.force());
-  legs.trunk -= legs.rate[0] + legs.rate[1];
+  right = about(legs.origin - equations.base(), equations.d) - legs.trunk - left;
   return legs;
 }
 
-// w of what the trailing leg carries
-WrenchVector on_the_ground(const SupportEquations& equations, const Support& support, const Legs& legs,
-                           const Eigen::Vector3d& f_T1)
-{
-  WrenchVector w(support.wrench_components());
-  for (const Side side : kSides)
-  {
-    const Contact contact = support.of(side);
-    const Eigen::Vector3d carried = side == support.leading ? Eigen::Vector3d(legs.trunk - f_T1) : f_T1;
-    const Eigen::Vector2d r = equations.foot(side).point(contact) - legs.origin;
-    const int components = wrench_components(contact);
-    w.segment(support.row(side), components) = (transport(r) * (carried + legs.leg(side))).head(components);
-  }
-  return w;
-}
-
-// the other way: what the leg of a foot carries
+// what the leg of a foot carries: the foot's wrench about the trunk's origin, less n
 Eigen::Vector3d carried_by(const SupportEquations& equations, const Support& support, const Legs& legs, Side side,
                            const WrenchVector& w)
 {
-  // the foot's wrench about its point is f_T + n about the trunk's origin, transported; back by the opposite way
   const Contact contact = support.of(side);
-  const int components = wrench_components(contact);
-  Eigen::Vector3d y = Eigen::Vector3d::Zero();
-  y.head(components) = w.segment(support.row(side), components);
-  return transport(legs.origin - equations.foot(side).point(contact)) * y - legs.leg(side);
-}
-
-// x of procedure 3: f_T1 by which one foot stands as linear_transition() has it
-Result<Eigen::Vector3d> tracked(const Robot& robot, const SupportEquations& equations, const Support& support,
-                                const LinearTransition& settings, const Legs& legs)
-{
-  const Result<Reactions> shared = linear_transition(robot, equations, support, settings);
-  if (const Refusal* refusal = std::get_if<Refusal>(&shared))
-    return *refusal;
-
-  const Side trailing = support.trailing();
-  const bool rolls_off = support.of(trailing) != Contact::sole && support.of(support.leading) == Contact::sole;
-  const Side passive = rolls_off ? trailing : support.leading;
-  const Eigen::Vector3d f_T = carried_by(equations, support, legs, passive, std::get<Reactions>(shared).w);
-  return passive == trailing ? f_T : Eigen::Vector3d(legs.trunk - f_T);
+  const int row = support.row(side);
+  const Eigen::Vector3d of_foot(w(row), w(row + 1), contact == Contact::sole ? w(row + 2) : 0.0);
+  return about(legs.origin - equations.foot(side).point(contact), of_foot) - legs.leg(side);
 }
 
 } // namespace
@@ -125,34 +87,34 @@ CarriedTrunk carried_trunk(const Robot& robot, const SupportEquations& equations
 WrenchVector reactions_below(const Robot& robot, const SupportEquations& equations, const Support& support,
                              const Eigen::Vector3d& f_T1)
 {
-  return on_the_ground(equations, support, legs_of(robot, equations), f_T1);
-}
-
-Result<CarriedTrunk> tracked_reaction(const Robot& robot, const SupportEquations& equations, const Support& support,
-                                      const LinearTransition& settings)
-{
   const Legs legs = legs_of(robot, equations);
-  const Result<Eigen::Vector3d> x = tracked(robot, equations, support, settings, legs);
-  if (const Refusal* refusal = std::get_if<Refusal>(&x))
-    return *refusal;
-  const Eigen::Vector3d& f_T1 = std::get<Eigen::Vector3d>(x);
-  return CarriedTrunk{legs.trunk, f_T1, 0.0, {on_the_ground(equations, support, legs, f_T1)}};
+  WrenchVector w(support.wrench_components());
+  for (const Side side : kSides)
+  {
+    const Contact contact = support.of(side);
+    const Eigen::Vector3d carried = side == support.leading ? Eigen::Vector3d(legs.trunk - f_T1) : f_T1;
+    const Eigen::Vector2d r = equations.foot(side).point(contact) - legs.origin;
+    const int components = wrench_components(contact);
+    w.segment(support.row(side), components) = about(r, carried + legs.leg(side)).head(components);
+  }
+  return w;
 }
 
 Result<CarriedTrunk> tracked_internal(const Robot& robot, const SupportEquations& equations, const Support& support,
                                       const LinearTransition& settings)
 {
-  const Legs legs = legs_of(robot, equations);
-  const Result<Eigen::Vector3d> x = tracked(robot, equations, support, settings, legs);
-  if (const Refusal* refusal = std::get_if<Refusal>(&x))
+  const Result<Reactions> shared = linear_transition(robot, equations, support, settings);
+  if (const Refusal* refusal = std::get_if<Refusal>(&shared))
     return *refusal;
+  const Reactions& reactions = std::get<Reactions>(shared);
+  const Legs legs = legs_of(robot, equations);
+  const Eigen::Vector3d x = carried_by(equations, support, legs, support.trailing(), reactions.w);
 
   // B2 cancels: η + σ f* = x with the least |η|² + σ²
   const Eigen::Vector3d& f = legs.trunk;
-  const double unclamped = f.dot(std::get<Eigen::Vector3d>(x)) / (1.0 + f.squaredNorm());
+  const double unclamped = f.dot(x) / (1.0 + f.squaredNorm());
   const double sigma = std::clamp(unclamped, 0.0, 1.0);
-  const Eigen::Vector3d eta = std::get<Eigen::Vector3d>(x) - sigma * f;
-  CarriedTrunk carried{f, eta, sigma, {on_the_ground(equations, support, legs, eta + sigma * f)}};
+  CarriedTrunk carried{f, x - sigma * f, sigma, reactions};
   carried.reactions.clamped = sigma != unclamped;
   return carried;
 }

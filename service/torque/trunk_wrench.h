@@ -14,7 +14,13 @@
 ///
 ///   τ = B1 η + b1(σ),   a1ᵀ η + a2(σ) = 0: one row for each heel or toe                                  (63), (64)
 ///
-/// Procedures 1 and 2 choose η by the least torque: least_torque.h.
+/// Procedures 1 and 2 choose η by the least torque: least_torque.h. Procedure 3 has the wrench y of one foot, about its
+/// contact point, from linear_transition(),
+///
+///   B2 f_T1 + b3 = y                                                                                         (71)
+///
+/// and B2 is rigid: the one solution is that the trailing leg carries what linear_transition() gives its foot, so that
+/// the reactions are linear_transition()'s, and so are those of procedure 4.
 #pragma once
 
 #include "torque/linear_transition.h"
@@ -39,20 +45,11 @@ CarriedTrunk carried_trunk(const Robot& robot, const SupportEquations& equations
 WrenchVector reactions_below(const Robot& robot, const SupportEquations& equations, const Support& support,
                              const Eigen::Vector3d& f_T1);
 
-/// Procedure 3: the wrench of one foot is that of linear_transition(), and determines f_T1:
-///
-///   B2 f_T1 + b3 = y                                                                                         (71)
-///
-/// The foot is the one on heel or toe, y its wrench about that point, (λ, 0); where both feet or none are on their
-/// soles, the leading one. B2 is rigid, so that (71) always has its one solution. The result is linear_transition()'s.
-Result<CarriedTrunk> tracked_reaction(const Robot& robot, const SupportEquations& equations, const Support& support,
-                                      const LinearTransition& settings);
-
-/// Procedure 4: the same wrench, by the least internal wrench and share at once:
+/// Procedure 4: of all η and σ that give the feet the reactions of procedure 3, the least,
 ///
 ///   [η; σ̄] = [B2 b2]^# (y − b3),   b2 = B2 f*,   σ = clamp(σ̄, 0, 1),   η = B2⁻¹ (y − b3 − b2 σ)       (72) to (74)
 ///
-/// In the paper η stays what it was before the clamp, and then (71) does not hold.
+/// In the paper η stays what it was before the clamp, and then (71) does not hold. reactions.clamped: whether σ̄ was.
 Result<CarriedTrunk> tracked_internal(const Robot& robot, const SupportEquations& equations, const Support& support,
                                       const LinearTransition& settings);
 
