@@ -15,8 +15,7 @@ namespace
 // the largest difference of cosines and sines of n angles, and whether e has as many columns
 double largest_error(const VectorD& phi)
 {
-  PlaneVectors e;
-  cosines_and_sines(phi, e);
+  const PlaneVectors e = cosines_and_sines(phi);
   REQUIRE(e.cols() == phi.size());
   double worst = 0.0;
   for (Eigen::Index k = 0; k < phi.size(); ++k)
@@ -56,8 +55,7 @@ TEST_CASE("cosines and sines next to quarter turns keep their sign and all their
     VectorD phi(3);
     phi << quarter * M_PI_2, std::nextafter(quarter * M_PI_2, 1e9),
         quarter * M_PI_2 + oracle::uniform(random, -1e-7, 1e-7);
-    PlaneVectors e;
-    cosines_and_sines(phi, e);
+    const PlaneVectors e = cosines_and_sines(phi);
     for (int k = 0; k < 3; ++k)
     {
       // relative to the small one of both, whose digits come from those of pi/2 beyond a double
@@ -75,8 +73,7 @@ TEST_CASE("what is no angle has no cosine", "[cosine_sine]")
   {
     VectorD phi(2);
     phi << bad, 0.5;
-    PlaneVectors e;
-    cosines_and_sines(phi, e);
+    const PlaneVectors e = cosines_and_sines(phi);
     CHECK(std::isnan(e(0, 0)));
     CHECK(std::isnan(e(1, 0)));
     CHECK(std::abs(e(0, 1) - std::cos(0.5)) <= 0x1p-52);

@@ -103,20 +103,17 @@ void add_weights(Fnv1a& hash, const JointWeights& weights)
 
 bool all_finite(const Answer& answer)
 {
-  // a number that is not finite makes the sum so
-  double sum =
-      0.0 * answer.zmp + 0.0 * answer.dynamics_residual + 0.0 * answer.contact_speed + 0.0 * answer.contact_residual;
+  // a number that is not finite makes the sum so; a torque, or a foot's wrench, that is not makes the residual so
+  double sum = 0.0 * answer.zmp + 0.0 * answer.dynamics_residual;
+  sum += 0.0 * answer.contact_speed + 0.0 * answer.contact_residual;
   for (const GroundReaction& foot : answer.ground)
-    sum += 0.0 * foot.wrench.fx + 0.0 * foot.wrench.fz + 0.0 * foot.wrench.moment + 0.0 * foot.cop +
-           0.0 * foot.friction_ratio;
-  for (const double torque : answer.torque)
-    sum += 0.0 * torque;
+    sum += 0.0 * foot.cop + 0.0 * foot.friction_ratio;
   return is_finite(sum);
 }
 
 // before: how far the motion was from its contacts before it was projected; empty if it was not
-Result<Answer> answer_motion(const Robot& robot, const AnswerSettings& settings, const DesiredState& desired,
-                             const std::optional<ContactErrors>& before, StreamMemory& memory)
+std::optional<Refusal> answer_motion(const Robot& robot, const AnswerSettings& settings, const DesiredState& desired,
+                                     const std::optional<ContactErrors>& before, StreamMemory& memory, Answer& answer)
 {
   const Result<SupportEquations> built = support_equations(robot, desired);
   if (const Refusal* refusal = std::get_if<Refusal>(&built))
@@ -138,8 +135,6 @@ Result<Answer> answer_motion(const Robot& robot, const AnswerSettings& settings,
     return *refusal;
   const TorqueSolution& solution = std::get<TorqueSolution>(solved);
 
-  Result<Answer> result(std::in_place_type<Answer>);
-  Answer& answer = std::get<Answer>(result);
   answer.utime = desired.utime;
   answer.stream_id = desired.stream_id;
   answer.method = solution.method;
@@ -168,7 +163,7 @@ Result<Answer> answer_motion(const Robot& robot, const AnswerSettings& settings,
   memory.stream_id = desired.stream_id;
   memory.utime = desired.utime;
   memory.torque = answer.torque;
-  return result;
+  return {};
 }
 
 } // namespace
@@ -217,13 +212,23 @@ Result<DesiredState> answered_motion(const Robot& robot, const AnswerSettings& s
 Result<Answer> answer(const Robot& robot, const AnswerSettings& settings, const DesiredState& desired,
                       StreamMemory& memory)
 {
+  Result<Answer> result(std::in_place_type<Answer>);
+  const auto fill = [&](const DesiredState& motion, const std::optional<ContactErrors>& before)
+  {
+    if (const auto refusal = answer_motion(robot, settings, motion, before, memory, std::get<Answer>(result)))
+      result = *refusal;
+  };
   if (!settings.project)
-    return answer_motion(robot, settings, desired, {}, memory);
+  {
+    fill(desired, {});
+    return result;
+  }
   const Result<Projection> projected = project(robot, desired);
   if (const Refusal* refusal = std::get_if<Refusal>(&projected))
-    return *refusal;
-  const Projection& projection = std::get<Projection>(projected);
-  return answer_motion(robot, settings, projection.state, projection.before, memory);
+    result = *refusal;
+  else
+    fill(std::get<Projection>(projected).state, std::get<Projection>(projected).before);
+  return result;
 }
 
 void flush_denormals()

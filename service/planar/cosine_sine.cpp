@@ -40,10 +40,10 @@ double sine_near_0(double r, double y)
 
 } // namespace
 
-void cosines_and_sines(const VectorD& phi, PlaneVectors& e)
+PlaneVectors cosines_and_sines(const VectorD& phi)
 {
   const int count = static_cast<int>(phi.size());
-  e.resize(2, count);
+  PlaneVectors e(2, count);
   double largest = 0.0;
   for (int k = 0; k < count; ++k)
     largest = std::max(largest, std::abs(phi(k)));
@@ -51,7 +51,7 @@ void cosines_and_sines(const VectorD& phi, PlaneVectors& e)
   {
     for (int k = 0; k < count; ++k)
       e.col(k) << std::cos(phi(k)), std::sin(phi(k));
-    return;
+    return e;
   }
   // no step branches, so that the compiler does two angles at a time
   const double* const x = phi.data();
@@ -74,6 +74,7 @@ void cosines_and_sines(const VectorD& phi, PlaneVectors& e)
     to[2 * k] = std::bit_cast<double>(((c & ~odd) | (s & odd)) ^ (((quarters + 1) & 2) << 62));
     to[2 * k + 1] = std::bit_cast<double>(((s & ~odd) | (c & odd)) ^ ((quarters & 2) << 62));
   }
+  return e;
 }
 
 } // namespace torqued

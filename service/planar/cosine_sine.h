@@ -6,11 +6,11 @@
 namespace torqued
 {
 
-/// Writes (cos φ, sin φ) of every angle, rad, as the columns of e; off by no more than 2⁻⁵² in each.
+/// (cos φ, sin φ) of every angle, rad, as columns; off by no more than 2⁻⁵² in each.
 ///
 /// φ = n π/2 + r with |r| ≤ π/4; polynomials in r, exact to rounding, change places and signs with n.
 /// No step branches, so that a compiler does several angles at a time: less than half of what libm takes, which is
 /// called only where an angle is beyond 10⁵ rad.
-void cosines_and_sines(const VectorD& phi, PlaneVectors& e);
+PlaneVectors cosines_and_sines(const VectorD& phi);
 
 } // namespace torqued

@@ -3,51 +3,52 @@
 namespace torqued
 {
 
-VectorQ inverse_dynamics(const Mechanism& mechanism, const Kinematics& now, const VectorD& turn,
-                         const Eigen::Vector2d& base)
+double inverse_dynamics(const Mechanism& mechanism, const Kinematics& now, const VectorD& turn,
+                        const Eigen::Vector2d& base, VectorQ& r)
 {
   const int size = mechanism.num_theta();
   const int directions = mechanism.num_directions();
-  const PlaneVectors& S = mechanism.moments();
 
-  // acceleration of the base point, gravity included
-  const Eigen::Vector2d a_base = base + Eigen::Vector2d(0.0, mechanism.gravity());
-
-  // ẍ of every direction and i ẍ; what it feels of the base point, and in the end of every other direction
-  PlaneVectors arm(2, directions), turned(2, directions), felt(2, directions);
-  const Eigen::Vector2d turned_base = perp(a_base);
-  Eigen::Vector2d force = mechanism.mass() * a_base;
+  // ẍ of every direction; S in the world; what a direction feels in the ends of all others
+  PlaneVectors arm(2, directions), moments(2, directions), felt(2, directions);
+  Eigen::Vector2d force = Eigen::Vector2d::Zero();
   for (int k = 0; k < directions; ++k)
   {
-    const Eigen::Vector2d e = now.e.col(k), i_e = perp(e);
-    const double squared = now.rate(k) * now.rate(k);
-    const Eigen::Vector2d x = turn(k) * i_e - squared * e;
-    const Eigen::Vector2d i_x = perp(x);
-    const Eigen::Vector2d S_k = S.col(k);
+    const Eigen::Vector2d e = now.e.col(k);
+    const Eigen::Vector2d x = turn(k) * perp(e) - now.rate(k) * now.rate(k) * e;
+    const Eigen::Vector2d S_k = mechanism.moments().col(k);
     arm.col(k) = x;
-    turned.col(k) = i_x;
-    felt.col(k) = S_k.x() * a_base - S_k.y() * turned_base;
-    force += S_k.x() * x + S_k.y() * i_x;
+    moments.col(k) = rotate(e, S_k);
+    felt.col(k).setZero();
+    force += rotate(x, S_k);
   }
   for (const auto& [j, k, P] : mechanism.pairs())
   {
-    felt.col(j) += P.x() * arm.col(k) + P.y() * turned.col(k);
-    felt.col(k) += P.x() * arm.col(j) - P.y() * turned.col(j);
+    const Eigen::Vector2d x_j = arm.col(j), x_k = arm.col(k);
+    felt.col(j) += P.x() * x_k + P.y() * perp(x_k);
+    felt.col(k) += P.x() * x_j - P.y() * perp(x_j);
   }
+
+  // acceleration of the base point, gravity included; used last, because it is known last
+  const Eigen::Vector2d a_base = base + Eigen::Vector2d(0.0, mechanism.gravity());
   const auto moment = [&](int k)
   {
-    return cross(now.e.col(k), felt.col(k)) + mechanism.inertias()(k) * turn(k);
+    return cross(now.e.col(k), felt.col(k)) + mechanism.inertias()(k) * turn(k) + cross(moments.col(k), a_base);
   };
-
-  VectorQ r(size + 2);
+  double total = 0.0;
+  r.resize(size + 2);
   for (int k = 0; k < size; ++k)
-    r(k) = moment(k);
+    total += r(k) = moment(k);
   for (const auto& [bar, column, share] : mechanism.shares_of_bars())
-    r(column) += share * moment(bar);
+  {
+    const double x = share * moment(bar);
+    r(column) += x;
+    total += x;
+  }
   for (const auto& [row, column, mass] : mechanism.sliding())
     r(row) += mass * turn(column);
-  r.tail<2>() = force;
-  return r;
+  r.tail<2>() = force + mechanism.mass() * a_base;
+  return total;
 }
 
 MatrixQ mass_matrix(const Mechanism& mechanism, const Kinematics& now)

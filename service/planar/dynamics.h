@@ -20,7 +20,7 @@
 namespace torqued
 {
 
-/// Computes inverse dynamics: the generalized force r = M a + C v + g that gives the mechanism the acceleration a.
+/// Inverse dynamics: writes the generalized force r = M a + C v + g that gives the mechanism the acceleration a.
 ///
 /// With ẍₖ = (i φ̈ₖ − φ̇ₖ²) eₖ the acceleration of a unit arm:
 ///
@@ -30,12 +30,15 @@ namespace torqued
 ///
 /// which is Newton's law for each body, projected on what each direction moves; no matrix is formed.
 /// turn: φ̈ = W θ̈ of every direction, rad/s²; base: acceleration of the base point, m/s².
-VectorQ inverse_dynamics(const Mechanism& mechanism, const Kinematics& now, const VectorD& turn,
-                         const Eigen::Vector2d& base);
+/// Returns Σ r_j: the moment about the base point that turns the whole mechanism as it should, N m.
+double inverse_dynamics(const Mechanism& mechanism, const Kinematics& now, const VectorD& turn,
+                        const Eigen::Vector2d& base, VectorQ& r);
 /// The same. Requires: a of length num_q().
 inline VectorQ inverse_dynamics(const Mechanism& mechanism, const Kinematics& now, const VectorQ& a)
 {
-  return inverse_dynamics(mechanism, now, mechanism.of_directions(a), a.tail<2>());
+  VectorQ r;
+  inverse_dynamics(mechanism, now, mechanism.of_directions(a), a.tail<2>(), r);
+  return r;
 }
 
 /// M(q), symmetric and, for bodies that all have mass and inertia, positive definite.

@@ -7,11 +7,7 @@ namespace torqued
 
 Kinematics kinematics(const Mechanism& mechanism, const VectorQ& q, const VectorQ& v)
 {
-  Kinematics now;
-  now.rate = mechanism.of_directions(v);
-  cosines_and_sines(mechanism.of_directions(q), now.e);
-  now.base = q.tail<2>();
-  return now;
+  return {.e = cosines_and_sines(mechanism.of_directions(q)), .rate = mechanism.of_directions(v), .base = q.tail<2>()};
 }
 
 void point_jacobian(const Mechanism& mechanism, const Kinematics& now, const Point& point, int row, Jacobian& J)

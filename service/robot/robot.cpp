@@ -316,8 +316,6 @@ private:
         robot.B(c, joint) = robot.A(joint, c) * robot.kappa(joint);
         robot.B_inverse(joint, c) = robot.A_inverse(c, joint) / robot.kappa(joint);
       }
-    robot.turning.setZero(size + 2);
-    robot.turning.head(size) = robot.A_inverse.col(size - 1);
     const int directions = robot.mechanism.num_directions();
     robot.torques_of_moments.leftCols(directions) = robot.B_inverse.leftCols(size) * robot.mechanism.W().transpose();
     for (const Actuator& motor : robot.actuators)

@@ -177,8 +177,7 @@ struct Robot
   Mechanism mechanism;
   MatrixQ A = {}, A_inverse = {}; ///< with a fixed root's angle as last row and column; so is b
   VectorQ b = {};
-  VectorJ kappa = {};   ///< of every actuator
-  VectorQ turning = {}; ///< the rates of q when the whole robot turns about its base point
+  VectorJ kappa = {}; ///< of every actuator
   /// B of joint_forces(): rows of θ, columns of joints; the rest 0.
   Eigen::Matrix<double, kMaxCoordinates, kMaxJoints> B = B.Zero();
   /// B⁺ of joint_torques(): rows of joints, columns of θ; the rest 0.

@@ -36,9 +36,8 @@ Result<SupportEquations> support_equations(const Robot& robot, const DesiredStat
   const BaseMotion& base = std::get<BaseMotion>(completed);
   equations.base_acceleration = base.acceleration;
 
-  equations.r = inverse_dynamics(mechanism, now, equations.turn, base.acceleration);
+  equations.d(2) = inverse_dynamics(mechanism, now, equations.turn, base.acceleration, equations.r);
   equations.d.head<2>() = equations.r.tail<2>();
-  equations.d(2) = robot.turning.dot(equations.r);
   if (robot.joint_friction)
     equations.r.head(mechanism.num_theta()) += joint_forces(robot, joint_friction(robot, desired.v, desired.a));
 
@@ -56,17 +55,20 @@ Result<SupportEquations> support_equations(const Robot& robot, const DesiredStat
     equations.feet[index] = foot_pose(robot, now, foot, now.base + standing.ankle);
 
     // what should be at rest
-    Eigen::Vector2d speed = (base.velocity + standing.velocity).cwiseAbs();
-    Eigen::Vector2d residual = (base.acceleration + standing.acceleration).cwiseAbs();
+    const auto raise = [](double& largest, double x)
+    {
+      largest = std::max(largest, std::abs(x));
+    };
+    raise(equations.contact_speed, base.velocity.x() + standing.velocity.x());
+    raise(equations.contact_speed, base.velocity.y() + standing.velocity.y());
+    raise(equations.contact_residual, base.acceleration.x() + standing.acceleration.x());
+    raise(equations.contact_residual, base.acceleration.y() + standing.acceleration.y());
     if (contact == Contact::sole)
     {
-      const double tilt = wrapped(desired.q(foot.direction) + robot.link(foot.link).direction_angle);
-      equations.sole_tilt = std::max(equations.sole_tilt, std::abs(tilt));
-      speed.x() = std::max(speed.x(), std::abs(now.rate(foot.direction)));
-      residual.x() = std::max(residual.x(), std::abs(equations.turn(foot.direction)));
+      raise(equations.sole_tilt, wrapped(desired.q(foot.direction) + robot.link(foot.link).direction_angle));
+      raise(equations.contact_speed, now.rate(foot.direction));
+      raise(equations.contact_residual, equations.turn(foot.direction));
     }
-    equations.contact_speed = std::max(equations.contact_speed, speed.maxCoeff());
-    equations.contact_residual = std::max(equations.contact_residual, residual.maxCoeff());
   }
   return result;
 }

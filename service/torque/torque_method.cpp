@@ -76,15 +76,15 @@ Result<Reactions> choose(const Robot& robot, const SupportEquations& equations, 
   case Method::human_transition: return human_transition(robot, equations, support, settings.human_transition);
   case Method::none: break;
   }
-  return Reactions{all.w0}; // nothing to choose
+  return Reactions{all.w0};
 }
 
 } // namespace
 
 TorqueSolution::TorqueSolution(const Robot& robot, const SupportEquations& equations, const Support& support,
-                               Method used, const Reactions& reactions)
-    : method(used), clamped(reactions.clamped), relaxed(reactions.relaxed), w(reactions.w),
-      ground(about_ankles(equations, support, w)), rest(left_for_motors(robot, equations, support, ground)),
+                               Method used, const WrenchVector& reactions, bool was_clamped, bool was_relaxed)
+    : method(used), clamped(was_clamped), relaxed(was_relaxed), w(reactions),
+      ground(about_ankles(equations, support, reactions)), rest(left_for_motors(robot, equations, support, ground)),
       torque(joint_torques(robot, rest))
 {
 }
@@ -119,11 +119,14 @@ Result<TorqueSolution> solve_torques(const Robot& robot, const SupportEquations&
 
   const Method asked = method == Method::none ? settings.method : method;
   const Method used = all.redundancy() == 0 ? Method::none : asked;
+  if (used == Method::none) // nothing to choose
+    return Result<TorqueSolution>(std::in_place_type<TorqueSolution>, robot, equations, support, used, all.w0);
   const Result<Reactions> chosen = choose(robot, equations, support, all, used, settings);
   if (const Refusal* refusal = std::get_if<Refusal>(&chosen))
     return *refusal;
-  return Result<TorqueSolution>(std::in_place_type<TorqueSolution>, robot, equations, support, used,
-                                std::get<Reactions>(chosen));
+  const Reactions& reactions = std::get<Reactions>(chosen);
+  return Result<TorqueSolution>(std::in_place_type<TorqueSolution>, robot, equations, support, used, reactions.w,
+                                reactions.clamped, reactions.relaxed);
 }
 
 } // namespace torqued

@@ -60,7 +60,7 @@ struct TorqueSolution
 {
   /// All that follows from the ground reactions, equation (3).
   TorqueSolution(const Robot& robot, const SupportEquations& equations, const Support& support, Method method,
-                 const Reactions& reactions);
+                 const WrenchVector& w, bool clamped = false, bool relaxed = false);
 
   Method method;                ///< none when nothing had to be chosen
   bool clamped, relaxed;        ///< of the Reactions
