@@ -93,40 +93,4 @@ VectorQ left_for_motors(const Robot& robot, const SupportEquations& equations, c
   return rest;
 }
 
-Eigen::Matrix<double, kMaxJoints, Eigen::Dynamic, 0, kMaxJoints, 6>
-contact_torques(const Robot& robot, const SupportEquations& equations, const Support& support)
-{
-  Eigen::Matrix<double, kMaxJoints, Eigen::Dynamic, 0, kMaxJoints, 6> torques(kMaxJoints, support.wrench_components());
-  const auto& of_moments = robot.torques_of_moments;
-  for (const Side side : kSides)
-  {
-    const Contact contact = support.of(side);
-    if (contact == Contact::none)
-      continue;
-    const auto index = static_cast<std::size_t>(side);
-    const Foot& foot = robot.feet[index];
-    const StandingFoot& standing = equations.standing[index];
-    const Eigen::Vector2d from_ankle = standing.point - standing.ankle;
-    const int column = support.row(side);
-    for (int j = 0; j < robot.num_joints(); j += kJointBlock)
-    {
-      const JointBlock moment = of_moments.block<kJointBlock, 1>(j, foot.direction);
-      JointBlock fx = -from_ankle.y() * moment, fz = from_ankle.x() * moment;
-      int i = 0;
-      for (const Arm& arm : foot.ankle)
-      {
-        const Eigen::Vector2d r = standing.arms.col(i++);
-        const JointBlock unit = of_moments.block<kJointBlock, 1>(j, arm.direction);
-        fx -= r.y() * unit;
-        fz += r.x() * unit;
-      }
-      torques.block<kJointBlock, 1>(j, column) = fx;
-      torques.block<kJointBlock, 1>(j, column + 1) = fz;
-      if (contact == Contact::sole)
-        torques.block<kJointBlock, 1>(j, column + 2) = moment;
-    }
-  }
-  return torques;
-}
-
 } // namespace torqued

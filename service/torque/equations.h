@@ -50,11 +50,6 @@ struct SupportEquations
 VectorQ left_for_motors(const Robot& robot, const SupportEquations& equations, const Support& support,
                         const std::array<Wrench, 2>& ground);
 
-/// B⁺ Jᵀ: wrench_components() columns, one row for each joint; in whole blocks of joints, zeros and then nothing
-/// follow.
-Eigen::Matrix<double, kMaxJoints, Eigen::Dynamic, 0, kMaxJoints, 6>
-contact_torques(const Robot& robot, const SupportEquations& equations, const Support& support);
-
 /// Builds the equations of a desired state. Refuses what complete_motion() refuses.
 Result<SupportEquations> support_equations(const Robot& robot, const DesiredState& desired);
 

@@ -38,7 +38,8 @@ struct SumOfSquares
 ///
 /// By modified Gram-Schmidt on [A b], which is as exact as reflections, and for three columns shorter.
 /// Source: A. Björck, "Solving linear least squares problems by Gram-Schmidt orthogonalization", BIT 7, 1967.
-inline std::optional<Eigen::Vector3d> least_squares(SumOfSquares sum, double rounding)
+/// sum: overwritten, because a copy of what was just written waits for it.
+inline std::optional<Eigen::Vector3d> least_squares(SumOfSquares& sum, double rounding)
 {
   using Block = Eigen::Matrix<double, SumOfSquares::kBlock, 1>;
   const auto block = [](double* column, int i) -> Eigen::Map<Block>
@@ -46,9 +47,9 @@ inline std::optional<Eigen::Vector3d> least_squares(SumOfSquares sum, double rou
     return Eigen::Map<Block>(column + i);
   };
   // takes from a column what it shares with q, and returns how often that is in it
-  const auto take = [&](double* q, double squared, double* column)
+  const auto take = [&](double* q, double per_squared, double* column)
   {
-    const double share = sum.dot(q, column) / squared;
+    const double share = sum.dot(q, column) * per_squared;
     for (int i = 0; i < sum.rows; i += SumOfSquares::kBlock)
       block(column, i) -= share * block(q, i);
     return share;
@@ -64,9 +65,10 @@ inline std::optional<Eigen::Vector3d> least_squares(SumOfSquares sum, double rou
     const double squared = sum.dot(q, q);
     if (squared <= rounding * rounding) // not so if it is not a number: then neither is y
       return {};
+    const double per_squared = 1.0 / squared;
     for (int j = k + 1; j < n; ++j)
-      U(k, j) = take(q, squared, sum.A.col(j).data());
-    y(k) = -take(q, squared, sum.b.data());
+      U(k, j) = take(q, per_squared, sum.A.col(j).data());
+    y(k) = -take(q, per_squared, sum.b.data());
   }
   for (int k = n - 2; k >= 0; --k)
     for (int j = k + 1; j < n; ++j)

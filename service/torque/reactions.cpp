@@ -91,24 +91,69 @@ AdmissibleReactions admissible_reactions(const Robot& robot, const SupportEquati
 ReactionTorques reaction_torques(const Robot& robot, const SupportEquations& equations, const Support& support,
                                  const AdmissibleReactions& all)
 {
-  const auto torques = contact_torques(robot, equations, support);
-  const VectorJ of_motion = joint_torques(robot, equations.r);
+  // of w0, and of each y: what the feet's wrenches amount to as a moment about each direction of their legs, Jᵀ (w0 Z)
+  using Columns = Eigen::Vector4d;
+  struct Moment
+  {
+    int direction;
+    Columns size;
+  };
+  std::array<Moment, 2 * (kMaxDirections + 1)> moments;
+  std::size_t count = 0;
+  for (const Side side : kSides)
+  {
+    const Contact contact = support.of(side);
+    if (contact == Contact::none)
+      continue;
+    const StandingFoot& standing = equations.standing[static_cast<std::size_t>(side)];
+    const auto component = [&](int c)
+    {
+      const auto of_y = [&](int k)
+      {
+        return k < all.redundancy() ? all.Z(c, k) : 0.0;
+      };
+      return Columns(all.w0(c), of_y(0), of_y(1), of_y(2));
+    };
+    const int row = support.row(side);
+    const Columns fx = component(row), fz = component(row + 1);
+    const auto moment_at = [&](const Eigen::Vector2d& r) -> Columns
+    {
+      return r.x() * fz - r.y() * fx;
+    };
+    const Foot& foot = robot.foot(side);
+    Columns own = contact == Contact::sole ? component(row + 2) : moment_at(standing.point - standing.ankle);
+    int i = 0;
+    for (const Arm& arm : foot.ankle)
+    {
+      Moment& moment = moments[count];
+      moment.direction = arm.direction;
+      moment.size = moment_at(standing.arms.col(i++));
+      if (arm.direction == foot.direction)
+        own += moment.size;
+      else
+        ++count;
+    }
+    moments[count].direction = foot.direction;
+    moments[count++].size = own;
+  }
+
+  // τ0 and T, a few rows at a time, so that all their columns stay at hand
+  constexpr int rows = 4;
+  static_assert(kJointBlock % rows == 0);
   ReactionTorques found;
   found.T.resize(kMaxJoints, all.redundancy());
-  for (int j = 0; j < robot.num_joints(); j += kJointBlock)
+  const int blocks = (robot.num_joints() + kJointBlock - 1) / kJointBlock;
+  for (int j = 0; j < blocks * kJointBlock; j += rows)
   {
-    JointBlock tau0 = Eigen::Map<const JointBlock>(of_motion.data() + j); // zeros beyond the joints: joint_torques()
-    Eigen::Matrix<double, kJointBlock, 3> T = T.Zero();
-    for (int c = 0; c < all.w0.size(); ++c)
-    {
-      const JointBlock unit = torques.block<kJointBlock, 1>(j, c);
-      tau0 -= all.w0(c) * unit;
-      for (int k = 0; k < all.redundancy(); ++k)
-        T.col(k) -= all.Z(c, k) * unit;
-    }
-    found.tau0.segment<kJointBlock>(j) = tau0;
+    Eigen::Matrix4d sum = Eigen::Matrix4d::Zero();
+    for (int c = 0; c < robot.mechanism.num_theta(); ++c)
+      sum.col(0) += equations.r(c) * robot.B_inverse.block<rows, 1>(j, c);
+    for (std::size_t m = 0; m < count; ++m)
+      sum.noalias() -=
+          robot.torques_of_moments.block<rows, 1>(j, moments[m].direction).lazyProduct(moments[m].size.transpose());
+    found.tau0.segment<rows>(j) = sum.col(0);
     for (int k = 0; k < all.redundancy(); ++k)
-      found.T.block<kJointBlock, 1>(j, k) = T.col(k);
+      found.T.block<rows, 1>(j, k) = sum.col(1 + k);
   }
   return found;
 }
