@@ -453,6 +453,40 @@ TEST_CASE("neither the order of the rows nor their size matters", "[quadratic_pr
   }
 }
 
+TEST_CASE("from the working set of another program the solution is the same", "[quadratic_program]")
+{
+  oracle::Random random(14);
+  int continued = 0, shorter = 0;
+  for (int i = 0; i < kPrograms; ++i)
+  {
+    const Kind kind = static_cast<Kind>(i % kKinds);
+    if (kind == Kind::bad_condition || kind == Kind::nearly_parallel) // as exact as their condition allows
+      continue;
+    QuadraticProgram program = random_program(random, kind);
+    const QuadraticProgramSolution before = solve(program);
+    for (int j = 0; j < program.rows.size(); ++j)
+    {
+      program.rows.soft[static_cast<std::size_t>(j)] =
+          program.rows.soft[static_cast<std::size_t>(j)] || whole(random, 0, 1) == 0;
+      const double factor = std::pow(10.0, uniform(random, -1.0, 2.0));
+      program.rows.A.row(j) *= factor;
+      program.rows.b(j) = factor * (program.rows.b(j) + uniform(random, -0.1, 0.1));
+    }
+    const QuadraticProgramSolution expected = solve(program);
+    const QuadraticProgramSolution found = solve(program, before.active);
+    CAPTURE(i, static_cast<int>(kind));
+    REQUIRE(found.status == expected.status);
+    if (found.status != optimal)
+      continue;
+    CHECK(mismatch(found.y, expected.y, 1e-9) == "");
+    CHECK(kkt_residuals(program, found.y, found.lambda).largest() <= kKktTolerance);
+    ++continued;
+    shorter += found.steps < expected.steps ? 1 : 0;
+  }
+  CHECK(continued > kPrograms / 4);
+  CHECK(shorter > continued / 4); // or there would be no use in it
+}
+
 TEST_CASE("a cone that is closed leaves one point", "[quadratic_program]")
 {
   // |x| ≤ 0.6 f, |m| ≤ 0.1 f, 0 ≤ f ≤ 0; the program would rather have all of them

@@ -20,27 +20,33 @@ enum class Rank
   torque,
   window
 };
+
 constexpr std::array<Rank, 3> kRanks{Rank::contact, Rank::torque, Rank::window};
 
-// Conditions as rows a·y ≤ b, in units in which their entries and those of y are of order 1.
+// The square root of what a window's lack costs, a torque of weight × leg length at every joint costing 1: so much that
+// a window lacks some 1e-8 of the weight more than it must, and so little that doubles still tell the torques apart. A
+// power of two, so that nothing is lost when rows are multiplied by it and divided.
+constexpr double kRootOfWindowPrice = 0x1p13;
+
+// Conditions as rows a·y ≤ b, in units in which their entries and those of y are of order 1: first τ ≤ limit of all
+// motors and −τ ≤ limit of all, by τ = τ0 + T y, where a motor without limit has 0 ≤ 1; then those of contacts, by
+// w = w0 + Z y.
 class Conditions
 {
 public:
-  // rows: where they are kept; unit: of y, in N and N m; size: how many there will be
-  Conditions(Rows& rows, const Eigen::Vector3d& unit, int variables, int size) : rows_(rows), unit_(unit)
+  // rows: where they are kept; unit: of y, in N and N m
+  Conditions(Rows& rows, const Robot& robot, const Support& support, const AdmissibleReactions& all,
+             const ReactionTorques& torques, const ContactConditions& contacts, const Eigen::Vector3d& unit)
+      : rows_(rows)
   {
-    rows_.A.resize(size, variables);
-    rows_.b.resize(size);
-  }
-
-  // a·y ≤ b; a: gives the entries, because a vector of them would be stored one by one and read by twos, which waits;
-  // factor: one over what is much
-  template <typename Entries> void add(Rank rank, const Entries& a, double b, double factor)
-  {
-    for (int k = 0; k < rows_.A.cols(); ++k)
-      rows_.A(size_, k) = factor * unit_(k) * a(k);
-    rows_.b(size_) = factor * b;
-    rank_[static_cast<std::size_t>(size_++)] = rank;
+    const bool limited = std::any_of(robot.actuators.begin(), robot.actuators.end(),
+                                     [](const Actuator& actuator) { return std::isfinite(actuator.torque_limit); });
+    const int motors = limited ? robot.num_joints() : 0;
+    size_ = 2 * motors + contacts.size();
+    rows_.A.resize(size_, all.redundancy());
+    rows_.b.resize(size_);
+    add_motors(robot, motors, torques, unit);
+    add_contacts(2 * motors, support, all, contacts, unit);
   }
 
   // rows of this rank soft, those that give way to it left out
@@ -58,6 +64,19 @@ public:
     rows.A.conservativeResize(n, Eigen::NoChange);
     rows.b.conservativeResize(n);
     return rows;
+  }
+
+  // lets windows give way at their price, or takes that back
+  void price_windows(bool soft)
+  {
+    const double factor = soft ? kRootOfWindowPrice : 1.0 / kRootOfWindowPrice;
+    for (int i = 0; i < size_; ++i)
+      if (rank(i) == Rank::window)
+      {
+        rows_.A.row(i) *= factor;
+        rows_.b(i) *= factor;
+        rows_.soft[static_cast<std::size_t>(i)] = soft;
+      }
   }
 
   bool any(Rank of) const { return std::find(rank_.begin(), rank_.begin() + size_, of) != rank_.begin() + size_; }
@@ -84,9 +103,73 @@ public:
 private:
   Rank rank(int i) const { return rank_[static_cast<std::size_t>(i)]; }
 
+  // In whole blocks: what is written beyond the motors is written again by what follows, or is room that is left.
+  static_assert(ContactConditions::kMost + 2 * kMaxJoints + kJointBlock <= kMaxRows);
+  void add_motors(const Robot& robot, int motors, const ReactionTorques& torques, const Eigen::Vector3d& unit)
+  {
+    // one over what is much of a motor's torque, and its limit over that; a motor with next to no limit would otherwise
+    // outweigh all others
+    Eigen::Matrix<double, kMaxJoints, 1> factor, limit;
+    const double least_scale = 1e-3 * robot.weight() * robot.leg_length;
+    for (int j = 0; j < motors; ++j)
+    {
+      const double torque_limit = robot.actuators[static_cast<std::size_t>(j)].torque_limit;
+      factor(j) = 1.0 / std::max(torque_limit, least_scale);
+      limit(j) = std::isfinite(torque_limit) ? factor(j) * torque_limit : 1.0;
+    }
+    const auto write = [motors](double* column, const auto& entries)
+    {
+      for (int j = 0; j < motors; j += kJointBlock)
+        Eigen::Map<JointBlock>(column + j) = entries(1.0, j);
+      for (int j = 0; j < motors; j += kJointBlock)
+        Eigen::Map<JointBlock>(column + motors + j) = entries(-1.0, j);
+    };
+    for (int k = 0; k < rows_.A.cols(); ++k)
+      write(rows_.A.col(k).data(),
+            [&](double sign, int j) -> JointBlock {
+              return sign * unit(k) *
+                     factor.segment<kJointBlock>(j).cwiseProduct(torques.T.block<kJointBlock, 1>(j, k));
+            });
+    write(rows_.b.data(),
+          [&](double sign, int j) -> JointBlock
+          {
+            return limit.segment<kJointBlock>(j) -
+                   sign * factor.segment<kJointBlock>(j).cwiseProduct(torques.tau0.segment<kJointBlock>(j));
+          });
+    std::fill_n(rank_.begin(), 2 * motors, Rank::torque);
+  }
+
+  void add_contacts(int row, const Support& support, const AdmissibleReactions& all, const ContactConditions& contacts,
+                    const Eigen::Vector3d& unit)
+  {
+    // the components of both feet's wrenches, for y and for w0 at once; no moment at a heel or toe
+    using Columns = Eigen::Vector4d;
+    std::array<std::array<Columns, 3>, 2> wrench;
+    for (const Side side : kSides)
+      for (int i = 0; i < 3; ++i)
+      {
+        const int c = support.row(side) + i;
+        const bool exists = i < wrench_components(support.of(side));
+        const auto of_y = [&](int k)
+        {
+          return exists && k < all.redundancy() ? unit(k) * all.Z(c, k) : 0.0;
+        };
+        wrench[static_cast<std::size_t>(side)][static_cast<std::size_t>(i)] =
+            Columns(of_y(0), of_y(1), of_y(2), exists ? -all.w0(c) : 0.0);
+      }
+    for (const ContactCondition& contact : contacts)
+    {
+      const auto& [fx, fz, moment] = wrench[static_cast<std::size_t>(contact.side)];
+      const Columns a = contact.factor * (contact.c(0) * fx + contact.c(1) * fz + contact.c(2) * moment);
+      for (int k = 0; k < rows_.A.cols(); ++k)
+        rows_.A(row, k) = a(k);
+      rows_.b(row) = contact.factor * contact.bound + a(3);
+      rank_[static_cast<std::size_t>(row++)] = contact.is_window ? Rank::window : Rank::contact;
+    }
+  }
+
   Rows& rows_;
-  Eigen::Vector3d unit_;
-  int size_ = 0; // of those that have been added
+  int size_;
   std::array<Rank, kMaxRows> rank_;
 };
 
@@ -96,49 +179,6 @@ Eigen::Vector3d moment_at(const Foot& foot, const FootPose& pose, double x)
 {
   const double h = foot.ankle_height();
   return {-h * pose.e.x() + x * pose.e.y(), -h * pose.e.y() - x * pose.e.x(), 1.0};
-}
-
-// conditions of contacts on y, by w = w0 + Z y
-void add_contacts(const AdmissibleReactions& all, const Support& support, const ContactConditions& contacts,
-                  Conditions& conditions)
-{
-  for (const ContactCondition& contact : contacts)
-  {
-    const int row = support.row(contact.side);
-    const int components = wrench_components(support.of(contact.side));
-    double bound = contact.bound;
-    for (int i = 0; i < components; ++i)
-      bound -= contact.c(i) * all.w0(row + i);
-    const auto a = [&](int k)
-    {
-      double sum = 0.0;
-      for (int i = 0; i < components; ++i)
-        sum += contact.c(i) * all.Z(row + i, k);
-      return sum;
-    };
-    conditions.add(contact.is_window ? Rank::window : Rank::contact, a, bound, contact.factor);
-  }
-}
-
-// those of motors, by τ = τ0 + T y
-void add_motors(const Robot& robot, const ReactionTorques& torques, Conditions& conditions)
-{
-  // a motor with next to no limit would otherwise outweigh all others
-  const double least_scale = 1e-3 * robot.weight() * robot.leg_length;
-  int j = 0;
-  for (const Actuator& actuator : robot.actuators)
-  {
-    const double limit = actuator.torque_limit;
-    if (std::isfinite(limit))
-    {
-      const double factor = 1.0 / std::max(limit, least_scale);
-      conditions.add(
-          Rank::torque, [&](int k) { return torques.T(j, k); }, limit - torques.tau0(j), factor);
-      conditions.add(
-          Rank::torque, [&](int k) { return -torques.T(j, k); }, limit + torques.tau0(j), factor);
-    }
-    ++j;
-  }
 }
 
 // adds ½ weight Σ_feet (L² |f|² + M²) of the reactions w = w0 + Z y to the objective; unit: of y
@@ -245,13 +285,8 @@ Result<Reactions> constrained(const Robot& robot, const SupportEquations& equati
   if (n == 3)
     unit(2) *= robot.leg_length;
   const ContactConditions contacts = contact_conditions(robot, equations, support, settings);
-  int limits = 0;
-  for (const Actuator& actuator : robot.actuators)
-    limits += std::isfinite(actuator.torque_limit) ? 2 : 0;
   QuadraticProgram program;
-  Conditions conditions(program.rows, unit, n, contacts.size() + limits);
-  add_contacts(all, support, contacts, conditions);
-  add_motors(robot, torques, conditions);
+  Conditions conditions(program.rows, robot, support, all, torques, contacts, unit);
 
   // objective, over its value for a torque of weight × leg length at every joint
   const double size = robot.weight() * robot.leg_length;
@@ -278,10 +313,16 @@ Result<Reactions> constrained(const Robot& robot, const SupportEquations& equati
     add_reactions(robot, support, all, all.w0, unit, 1e-9 / (size * size), program);
 
   QuadraticProgramSolution solution = solve(program);
-  bool relaxed = false;
-  if (solution.status == QuadraticProgramStatus::infeasible)
+  const bool relaxed = solution.status == QuadraticProgramStatus::infeasible;
+  if (relaxed && conditions.any(Rank::window))
   {
-    relaxed = true;
+    conditions.price_windows(true);
+    solution = solve(program, solution.active);
+    conditions.price_windows(false);
+  }
+  if (relaxed && solution.status != QuadraticProgramStatus::optimal)
+  {
+    // not the windows alone
     BoundedVector<kMaxVariables> y = BoundedVector<kMaxVariables>::Zero(n);
     for (const Rank rank : kRanks)
     {

@@ -56,13 +56,14 @@ struct ContactCondition
 class ContactConditions
 {
 public:
+  static constexpr int kMost = 12;
   void push_back(const ContactCondition& condition) { all_[size_++] = condition; }
   int size() const { return static_cast<int>(size_); }
   const ContactCondition* begin() const { return all_.data(); }
   const ContactCondition* end() const { return all_.data() + size_; }
 
 private:
-  std::array<ContactCondition, 12> all_;
+  std::array<ContactCondition, kMost> all_;
   std::size_t size_ = 0;
 };
 

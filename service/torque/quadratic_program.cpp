@@ -38,21 +38,18 @@ struct Program
   int size; // rows
   Matrix H = Matrix::Identity();
   Vector g = Vector::Zero();
-  double H_size = 0.0; // |H|, without what was added
-  std::array<PerRow, kMaxVariables> A;
-  PerRow b, squared; // squared: |a_i|²
+  double H_size = 0.0;                        // |H|, without what was added
+  std::array<const double*, kMaxVariables> A; // columns, of the rows that were given
+  PerRow b, squared;                          // squared: |a_i|²
   RowSet soft;
 
   explicit Program(const Rows& rows) : size(rows.size()), soft(rows.soft)
   {
+    static constexpr PerRow zeros{};
     for (int k = 0; k < kMaxVariables; ++k)
-      if (k < rows.A.cols())
-        std::copy_n(rows.A.col(k).data(), size, A[k].begin());
-      else
-        std::fill_n(A[k].begin(), size, 0.0);
-    std::copy_n(rows.b.data(), size, b.begin());
-    for (int i = 0; i < size; ++i)
-      squared[i] = A[0][i] * A[0][i] + A[1][i] * A[1][i] + A[2][i] * A[2][i];
+      A[k] = k < rows.A.cols() ? rows.A.col(k).data() : zeros.data();
+    all(b) = rows.b.array();
+    all(squared) = all(A[0]).square() + all(A[1]).square() + all(A[2]).square();
   }
   explicit Program(const QuadraticProgram& program) : Program(program.rows)
   {
@@ -66,9 +63,15 @@ struct Program
     H_size = program.H.norm();
   }
 
+  // one number of each row, as an array
+  Eigen::Map<Eigen::ArrayXd> all(PerRow& x) const { return {x.data(), size}; }
+  Eigen::Map<const Eigen::ArrayXd> all(const PerRow& x) const { return all(x.data()); }
+  Eigen::Map<const Eigen::ArrayXd> all(const double* x) const { return {x, size}; }
   Vector a(int i) const { return {A[0][i], A[1][i], A[2][i]}; }
+  // a_i·y
+  double along(int i, const Vector& y) const { return A[0][i] * y(0) + A[1][i] * y(1) + A[2][i] * y(2); }
   // of row i, as if it were hard
-  double violation(int i, const Vector& y) const { return A[0][i] * y(0) + A[1][i] * y(1) + A[2][i] * y(2) - b[i]; }
+  double violation(int i, const Vector& y) const { return along(i, y) - b[i]; }
   double length(int i) const { return std::sqrt(squared[i]); }
   // what a violation is measured against; y_squared: |y|²
   double scale_squared(int i, double y_squared) const
@@ -170,10 +173,9 @@ public:
     {
       Column& q = Q_[k];
       const Vector z = Z_.col(k);
-      for (int i = 0; i < 3; ++i)
-        q[i] = L_.col(i).tail(3 - i).dot(z.tail(3 - i));
+      to_left(z, q);
       for (int i = hard_; i < rows_; ++i)
-        q[3 + i - hard_] = program_.a(row_[i]).dot(z);
+        q[3 + i - hard_] = program_.along(row_[i], z);
       for (int j = 0; j < k; ++j)
         U_(j, k) = take(j, q);
       per_squared_[k] = 1.0 / dot(q, q);
@@ -210,10 +212,11 @@ public:
     }
     Column c;
     const Vector of_g = from_left(g);
+    to_left(y, c);
     for (int i = 0; i < 3; ++i)
-      c[i] = -of_g(i) - L_.col(i).tail(3 - i).dot(y.tail(3 - i));
+      c[i] = -of_g(i) - c[i];
     for (int i = hard_; i < rows_; ++i)
-      c[3 + i - hard_] = bound(i) - program_.a(row_[i]).dot(y);
+      c[3 + i - hard_] = bound(i) - program_.along(row_[i], y);
 
     std::array<double, 3> z;
     for (int k = 0; k < free_; ++k)
@@ -228,9 +231,8 @@ public:
     Vector gradient = program_.H * y + g;
     for (int i = hard_; i < rows_; ++i)
     {
-      const Vector a = program_.a(row_[i]);
-      solved.lambda[i] = a.dot(y) - bound(i);
-      gradient += solved.lambda[i] * a;
+      solved.lambda[i] = program_.along(row_[i], y) - bound(i);
+      gradient += solved.lambda[i] * program_.a(row_[i]);
     }
     take_over(gradient, solved.lambda);
   }
@@ -247,7 +249,7 @@ public:
     double free_squared = 0.0;
     for (int k = 0; k < free_; ++k)
     {
-      free[k] = Z_.col(k).dot(a);
+      free[k] = program_.along(p, Z_.col(k));
       free_squared += free[k] * free[k];
     }
 
@@ -276,7 +278,13 @@ public:
 private:
   using Column = std::array<double, 3 + kMaxRows>;
 
-  // L⁻¹ x and L⁻ᵀ x
+  // Lᵀ x, L⁻¹ x and L⁻ᵀ x
+  void to_left(const Vector& x, Column& z) const
+  {
+    z[0] = L_(0, 0) * x(0) + L_(1, 0) * x(1) + L_(2, 0) * x(2);
+    z[1] = L_(1, 1) * x(1) + L_(2, 1) * x(2);
+    z[2] = L_(2, 2) * x(2);
+  }
   Vector from_left(const Vector& x) const
   {
     Vector z;
@@ -414,8 +422,7 @@ private:
   bool is_finite()
   {
     size_ = program_.H.squaredNorm() + program_.g.squaredNorm();
-    for (int i = 0; i < program_.size; ++i)
-      size_ += program_.squared[i] + program_.b[i] * program_.b[i];
+    size_ += (program_.all(program_.squared) + program_.all(program_.b).square()).sum();
     return std::isfinite(size_);
   }
 
@@ -466,14 +473,19 @@ private:
   {
     // by squares, because roots and quotients take longer than all else here
     const double y_squared = y_.squaredNorm();
+    PerRow lacks;
+    const auto& [A0, A1, A2] = program_.A;
+    program_.all(lacks) =
+        program_.all(A0) * y_(0) + program_.all(A1) * y_(1) + program_.all(A2) * y_(2) - program_.all(program_.b);
     int worst = -1;
     double most = kRowTolerance * kRowTolerance;
     for (int i = 0; i < program_.size; ++i)
-      if (const double lacks = program_.violation(i, y_); lacks > 0.0)
-        if (const double scale = program_.scale_squared(i, y_squared); lacks * lacks > most * scale && !active_[i])
+      if (lacks[i] > 0.0)
+        if (const double scale = program_.scale_squared(i, y_squared);
+            lacks[i] * lacks[i] > most * scale && !active_[i])
         {
           worst = i;
-          most = lacks * lacks / scale;
+          most = lacks[i] * lacks[i] / scale;
         }
     return worst;
   }
@@ -585,9 +597,11 @@ private:
 };
 
 // y and λ in the form of the interface
-QuadraticProgramSolution optimum(Eigen::Index n, int rows, const Vector& y, const PerRow& lambda, int steps)
+QuadraticProgramSolution optimum(Eigen::Index n, int rows, const Vector& y, const PerRow& lambda, int steps,
+                                 const RowSet& active)
 {
-  QuadraticProgramSolution found{QuadraticProgramStatus::optimal, y.head(n), BoundedVector<kMaxRows>(rows), steps};
+  QuadraticProgramSolution found{QuadraticProgramStatus::optimal, y.head(n), BoundedVector<kMaxRows>(rows), steps,
+                                 active};
   std::copy_n(lambda.begin(), rows, found.lambda.data());
   return found;
 }
@@ -612,19 +626,19 @@ KktResiduals kkt_residuals(const QuadraticProgram& program, const BoundedVector<
   return residuals(padded, all, multipliers, all_rows(padded));
 }
 
-QuadraticProgramSolution solve(const QuadraticProgram& asked)
+QuadraticProgramSolution solve(const QuadraticProgram& asked, const RowSet& start)
 {
   Program program(asked);
-  DualMethod method(program);
+  DualMethod method(program, start);
   const QuadraticProgramStatus status = method.run();
   const Eigen::Index n = asked.g.size();
   if (status != QuadraticProgramStatus::optimal)
-    return {status, {}, {}, method.steps()};
+    return {status, {}, {}, method.steps(), method.active()};
   // against what was asked, if that is not what was solved
   if (method.relaxed())
     if (const Program before(asked); !is_optimal(before, method.y(), method.lambda(), all_rows(before)))
-      return {QuadraticProgramStatus::not_solved, {}, {}, method.steps()};
-  return optimum(n, program.size, method.y(), method.lambda(), method.steps());
+      return {QuadraticProgramStatus::not_solved, {}, {}, method.steps(), method.active()};
+  return optimum(n, program.size, method.y(), method.lambda(), method.steps(), method.active());
 }
 
 QuadraticProgramSolution least_violation(const Rows& rows, const BoundedVector<kMaxVariables>& from)
@@ -652,7 +666,7 @@ QuadraticProgramSolution least_violation(const Rows& rows, const BoundedVector<k
     const QuadraticProgramStatus status = method.run();
     steps += method.steps();
     if (status != optimal)
-      return {status, {}, {}, steps};
+      return {status, {}, {}, steps, method.active()};
     active = method.active();
     y += method.y();
     lambda = method.lambda();
@@ -668,8 +682,8 @@ QuadraticProgramSolution least_violation(const Rows& rows, const BoundedVector<k
   Program violations = asked;
   violations.H.diagonal().head(n).setZero();
   if (!is_optimal(violations, y, lambda, all_rows(violations)))
-    return {not_solved, {}, {}, steps};
-  return optimum(n, asked.size, y, lambda, steps);
+    return {not_solved, {}, {}, steps, active};
+  return optimum(n, asked.size, y, lambda, steps, active);
 }
 
 } // namespace torqued

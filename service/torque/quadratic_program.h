@@ -73,6 +73,7 @@ struct QuadraticProgramSolution
   BoundedVector<kMaxVariables> y; ///< optimal: the solution; else not set
   BoundedVector<kMaxRows> lambda; ///< multipliers, N m² and the like per unit of each row; 0 where a row is not active
   int steps;
+  std::bitset<kMaxRows> active; ///< the working set in the end, whatever the status
 };
 
 /// The most rows that are added and dropped; random programs need fewer than twenty.
@@ -82,9 +83,11 @@ inline constexpr int kMaxSteps = 500;
 /// keeps the multipliers of those met before non-negative. The working set never holds more independent hard rows than
 /// there are variables, so each step solves with matrices of at most 3 × 3, and the solution is computed afresh
 /// from the working set: no error builds up.
+/// start: the working set in which another program with rows of the same directions ended, to begin with it; rows that
+/// were hard may be soft now. Those that would pull are dropped.
 /// Source: D. Goldfarb, A. Idnani, "A numerically stable dual method for solving strictly convex quadratic programs",
 /// Mathematical Programming 27, 1983; soft rows, and solving afresh, are ours.
-QuadraticProgramSolution solve(const QuadraticProgram& program);
+QuadraticProgramSolution solve(const QuadraticProgram& program, const std::bitset<kMaxRows>& start = {});
 
 /// The y that violates the soft rows least, ½ Σ v_i², and meets the hard ones; of several, one that is near to `from`.
 ///
