@@ -29,7 +29,7 @@ namespace torqued
 ///   r_θ    = Wᵀ (r_j) + sliding · θ̈
 ///
 /// which is Newton's law for each body, projected on what each direction moves; no matrix is formed.
-/// turn: φ̈ = W θ̈ of every direction, rad/s²; base: acceleration of the base point, m/s².
+/// turn: φ̈ = W θ̈ of every direction, rad/s²; base: acceleration of the base point, m/s²; r: given length num_q().
 /// Returns Σ r_j: the moment about the base point that turns the whole mechanism as it should, N m.
 double inverse_dynamics(const Mechanism& mechanism, const Kinematics& now, const VectorD& turn,
                         const Eigen::Vector2d& base, VectorQ& r);

@@ -33,7 +33,8 @@ namespace torqued
 ///
 /// Where not all conditions can be met, windows give way first, then torque limits, then contacts: each by the least
 /// sum of squares of what is missing, forces over weight, moments over weight × sole length, torques over their limits;
-/// and of what then remains, the least torque is taken (relaxed is set).
+/// and of what then remains, the least torque is taken (relaxed is set). Windows that give way alone may lack some 1e-8
+/// of that more than they must.
 struct Constrained
 {
   JointWeights weights;
@@ -57,6 +58,7 @@ class ContactConditions
 {
 public:
   static constexpr int kMost = 12;
+
   void push_back(const ContactCondition& condition) { all_[size_++] = condition; }
   int size() const { return static_cast<int>(size_); }
   const ContactCondition* begin() const { return all_.data(); }

@@ -83,8 +83,8 @@ inline constexpr int kMaxSteps = 500;
 /// keeps the multipliers of those met before non-negative. The working set never holds more independent hard rows than
 /// there are variables, so each step solves with matrices of at most 3 × 3, and the solution is computed afresh
 /// from the working set: no error builds up.
-/// start: the working set in which another program with rows of the same directions ended, to begin with it; rows that
-/// were hard may be soft now. Those that would pull are dropped.
+/// start: to begin with, the working set in which another program ended whose rows had the same directions; hard rows
+/// may have become soft, but not soft ones hard. Those that would pull are dropped.
 /// Source: D. Goldfarb, A. Idnani, "A numerically stable dual method for solving strictly convex quadratic programs",
 /// Mathematical Programming 27, 1983; soft rows, and solving afresh, are ours.
 QuadraticProgramSolution solve(const QuadraticProgram& program, const std::bitset<kMaxRows>& start = {});

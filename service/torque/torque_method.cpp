@@ -76,7 +76,7 @@ Result<Reactions> choose(const Robot& robot, const SupportEquations& equations, 
   case Method::human_transition: return human_transition(robot, equations, support, settings.human_transition);
   case Method::none: break;
   }
-  return Reactions{all.w0};
+  return Reactions{all.w0}; // not reached: solve_torques() has nothing to choose then
 }
 
 } // namespace
@@ -119,7 +119,7 @@ Result<TorqueSolution> solve_torques(const Robot& robot, const SupportEquations&
 
   const Method asked = method == Method::none ? settings.method : method;
   const Method used = all.redundancy() == 0 ? Method::none : asked;
-  if (used == Method::none) // nothing to choose
+  if (used == Method::none) // nothing to choose; a copy of what there is would be felt, in single support
     return Result<TorqueSolution>(std::in_place_type<TorqueSolution>, robot, equations, support, used, all.w0);
   const Result<Reactions> chosen = choose(robot, equations, support, all, used, settings);
   if (const Refusal* refusal = std::get_if<Refusal>(&chosen))

@@ -58,7 +58,7 @@ std::optional<std::string> complaint(const MethodSettings& settings, int num_joi
 /// What makes the motion happen.
 struct TorqueSolution
 {
-  /// All that follows from the ground reactions, equation (3).
+  /// All that follows from the ground reactions w, equation (3). w: wrench_components() long.
   TorqueSolution(const Robot& robot, const SupportEquations& equations, const Support& support, Method method,
                  const WrenchVector& w, bool clamped = false, bool relaxed = false);
 

@@ -14,8 +14,9 @@
 ///
 ///   τ = B1 η + b1(σ),   a1ᵀ η + a2(σ) = 0: one row for each heel or toe                                  (63), (64)
 ///
-/// Procedures 1 and 2 choose η by the least torque: least_torque.h. Procedure 3 has the wrench y of one foot, about its
-/// contact point, from linear_transition(),
+/// Procedures 1 and 2 choose η by the least torque: least_torque.h. Procedure 3 has the wrench y of one foot from
+/// linear_transition(): of the one on heel or toe, about that point; where both or none are on their soles, of the
+/// leading one,
 ///
 ///   B2 f_T1 + b3 = y                                                                                         (71)
 ///
