@@ -238,6 +238,15 @@ TEST_CASE("numbers too large to compute with are refused, and finite answers are
   desired = standing();
   desired.q.head<7>().setConstant(1e308);
   answered(robot, {}, desired, memory);
+  // a torque alone: the motion and what the ground does are small
+  Robot sticky = robot;
+  sticky.joint_friction = true;
+  sticky.actuators[0].viscous = 1.7e308;
+  desired = standing();
+  desired.v.head<7>() << 1e-3, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0;
+  answered(sticky, {}, desired, memory);
+  desired.v(0) = 10.0;
+  CHECK(refused(sticky, {}, desired, memory) == Reason::numerical);
 
   for (int i = 0; i < 5000; ++i)
   {

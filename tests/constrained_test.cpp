@@ -1,7 +1,9 @@
 #include "double_support.h"
 #include "matchers.h"
+#include "states.h"
 
 #include "torque/checks.h"
+#include "torque/quadratic_program.h"
 
 #include <functional>
 #include <vector>
@@ -235,7 +237,7 @@ Case walking(oracle::Random& random, int i, Contact left, Contact right, double 
 {
   const Stance stance{left, right, i % 4 < 2 ? Side::left : Side::right};
   auto [biped, motion] = posed(random, i, stance);
-  const auto reach = [&](Side side, Contact contact, Contact end)
+  const auto reach = [&, &biped = biped, &motion = motion](Side side, Contact contact, Contact end)
   {
     return biped.contact_point(side, contact == Contact::sole ? end : contact, motion.X).x();
   };
@@ -370,6 +372,65 @@ TEST_CASE("what cannot be met lacks least: contacts hold the longest, then motor
   CHECK(relaxed > 50 * kCases / 500);
 }
 
+TEST_CASE("windows that give way alone lack no more than they must, and then the torque is the least", "[constrained]")
+{
+  oracle::Random random(607);
+  int relaxed = 0, dearer = 0;
+  for (const Contact left : kLoaded)
+    for (const Contact right : kLoaded)
+      for (int i = 0; i < kCases / 2; ++i)
+      {
+        CAPTURE(name_of(left), name_of(right), i);
+        const Case now = walking(random, i, left, right, 0.0);
+        const MethodSettings settings = random_settings(random, i);
+        const TorqueSolution found = now.solution(Method::constrained, settings);
+        const Program sought = program(now, settings);
+        if (!found.relaxed ||
+            lacking(sought.all, Kind::contact, found.w) + lacking(sought.all, Kind::torque, found.w) > 1e-18)
+          continue;
+
+        // first the least violation of windows alone, then the least torque with windows no wider than that
+        const Eigen::Index n = sought.g.size(), m = static_cast<Eigen::Index>(sought.all.size());
+        QuadraticProgram staged{sought.H, sought.g, {{}, {}, {}}};
+        staged.rows.A.resize(m, n);
+        staged.rows.b.resize(m);
+        for (Eigen::Index row = 0; row < m; ++row)
+        {
+          const Condition& condition = sought.all[static_cast<std::size_t>(row)];
+          staged.rows.A.row(row) = condition.c.transpose() * sought.others;
+          staged.rows.b(row) = condition.bound - condition.c.dot(sought.one);
+          staged.rows.soft[static_cast<std::size_t>(row)] = condition.kind == Kind::window;
+        }
+        const QuadraticProgramSolution least = least_violation(staged.rows, Eigen::VectorXd::Zero(n));
+        REQUIRE(least.status == QuadraticProgramStatus::optimal);
+        for (Eigen::Index row = 0; row < m; ++row)
+          staged.rows.b(row) = std::max(staged.rows.b(row), staged.rows.A.row(row).dot(least.y)) + 1e-9;
+        staged.rows.soft.reset();
+        const QuadraticProgramSolution expected = solve(staged);
+        REQUIRE(expected.status == QuadraticProgramStatus::optimal);
+        ++relaxed;
+
+        // a window costs so much that what it saves elsewhere buys 1e-8 of it; some conditions pass that on enlarged
+        const auto lack = [&](const Eigen::VectorXd& w)
+        {
+          return std::sqrt(lacking(sought.all, Kind::window, w));
+        };
+        CHECK(lack(found.w) <= lack(sought.one + sought.others * least.y) + 1e-6);
+        const auto cost = [&](const Eigen::VectorXd& w)
+        {
+          const Eigen::VectorXd y = sought.others.colPivHouseholderQr().solve(w - sought.one);
+          return 0.5 * y.dot(sought.H * y) + sought.g.dot(y);
+        };
+        const double at_least = cost(sought.one + sought.others * expected.y);
+        CHECK(cost(found.w) <= at_least + 1e-5 * std::max(1.0, std::abs(at_least)));
+        const QuadraticProgramSolution without =
+            solve({sought.H, sought.g, {Bounded<kMaxRows, 3>(0, n), BoundedVector<kMaxRows>(0), {}}});
+        dearer += at_least > cost(sought.one + sought.others * without.y) + 1e-3 ? 1 : 0;
+      }
+  CHECK(relaxed > kCases / 10);
+  CHECK(dearer > relaxed / 2); // or the price of a window would not matter
+}
+
 TEST_CASE("where no condition is active constrained is procedure 1, else it costs more, and with windows still more",
           "[constrained]")
 {
@@ -480,6 +541,65 @@ TEST_CASE("a foot's least load is kept, as far as the window leaves it", "[const
     CHECK(now.solution(Method::constrained, windows).torque == without.solution(Method::constrained).torque);
   }
   CHECK(bound > kCases / 50);
+}
+
+TEST_CASE("every motor keeps its limit, however many there are", "[constrained]")
+{
+  oracle::Random random(608);
+  int robots = 0, bound = 0;
+  for (Robot robot : all_kinds_of_motors())
+  {
+    if (robot.num_joints() <= kJointBlock)
+      continue;
+    ++robots;
+    for (const Contact left : kLoaded)
+      for (const Contact right : kLoaded)
+      {
+        const Support contacts{{left, right}, Side::left, 0.5, 0.5};
+        if (check_contacts(robot, contacts))
+          continue;
+        for (int i = 0; i < kStates / 20; ++i)
+        {
+          CAPTURE(robot.name, name_of(left), name_of(right), i);
+          const State state = of_mechanism(robot, random_state(random, robot));
+          DesiredState desired{};
+          desired.base_given = !robot.fixed_root();
+          desired.support = contacts;
+          desired.q = state.q;
+          desired.v = state.v;
+          desired.a = state.a;
+          const auto equations = std::get<SupportEquations>(support_equations(robot, desired));
+          const auto solve = [&]
+          {
+            return solve_torques(robot, equations, contacts, Method::constrained, {}, 1e-3);
+          };
+          for (Actuator& motor : robot.actuators)
+            motor.torque_limit = std::numeric_limits<double>::infinity();
+          const auto free = solve();
+          if (std::holds_alternative<Refusal>(free))
+            continue;
+          const VectorJ torque = std::get<TorqueSolution>(free).torque;
+          // one motor at a time has a little less than it would have
+          for (int j = 0; j < robot.num_joints(); ++j)
+          {
+            for (int k = 0; k < robot.num_joints(); ++k)
+              robot.actuators[static_cast<std::size_t>(k)].torque_limit = (k == j ? 0.999 : 2.0) * std::abs(torque(k));
+            const auto limited = solve();
+            if (std::holds_alternative<Refusal>(limited))
+              continue;
+            const TorqueSolution& found = std::get<TorqueSolution>(limited);
+            if (found.relaxed)
+              continue;
+            for (int k = 0; k < robot.num_joints(); ++k)
+              CHECK(std::abs(found.torque(k)) <=
+                    robot.actuators[static_cast<std::size_t>(k)].torque_limit * (1.0 + 1e-7));
+            bound += j >= kJointBlock ? 1 : 0;
+          }
+        }
+      }
+  }
+  CHECK(robots > 0);
+  CHECK(bound > 0);
 }
 
 TEST_CASE("no friction, no torque, weights of a millionth: conditions hold or give way, and the numbers stay finite",

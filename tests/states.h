@@ -1,6 +1,7 @@
 /// Random states of any robot, in the rows of its equation of motion.
 #pragma once
 
+#include "biped_of.h"
 #include "oracles.h"
 
 #include "torque/equation_of_motion.h"
@@ -59,8 +60,9 @@ inline State of_mechanism(const Robot& robot, const State& state)
   return {of_mechanism(robot, state.q), of_mechanism(robot, state.v), of_mechanism(robot, state.a)};
 }
 
-/// Every robot that ships, and random ones, named for what they have that those have not: rolling knees with each kind
-/// of motor, a rolling knee whose parent is the shin, and whatever else can be described.
+/// Every robot that ships, one with many links, and random ones, named for what they have that those have
+/// not: rolling knees with each kind of motor, a rolling knee whose parent is the shin, and whatever else can be
+/// described.
 inline std::vector<Robot> all_kinds_of_robots()
 {
   std::vector<Robot> robots;
@@ -71,6 +73,7 @@ inline std::vector<Robot> all_kinds_of_robots()
   };
   for (const std::string_view name : shipped_robot_names())
     robots.push_back(load_robot(std::string(name)));
+  add("13 links", biped_of(13));
   oracle::Random random(200);
   for (const Placement knee : {Placement::links, Placement::bar_parent, Placement::bar_child})
     add(fmt::format("rk, {}", name_of(knee)), oracle::random_rk(random, knee).robot());
