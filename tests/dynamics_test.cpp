@@ -43,7 +43,6 @@ TEST_CASE("a body cut in two that ride on each other moves as one", "[dynamics]"
 {
   // the trunk of ck, as a part that turns and a part fixed to it at an angle
   oracle::Random random(2);
-  const oracle::Biped ck;
   const std::string whole(shipped_robot_toml("ck"));
   const std::string trunk = "mass = 29.2\ncom = [0.0, 0.19]\ninertia = 0.81\n";
   REQUIRE(whole.find(trunk) != std::string::npos);

@@ -95,7 +95,7 @@ struct Moving
 // centres of mass; state: in the coordinates of the mechanism, a fixed root at rest
 std::vector<Moving> centres_of_mass(const Robot& robot, const State& state)
 {
-  const auto& [q, v, a] = state;
+  const Eigen::VectorXd &q = state.q, &v = state.v, &a = state.a;
   std::vector<Moving> frames(robot.links.size());
   std::vector<Moving> centres(robot.links.size());
   for (const int i : robot.order)

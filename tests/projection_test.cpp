@@ -169,7 +169,7 @@ TEST_CASE("a disturbed walk is moved back onto its contacts, and how far is told
     REQUIRE(moved.size() == samples.size());
 
     // on its contacts, each stance at one place
-    Missed before, most;
+    Missed before;
     for (std::size_t i = 0; i < moved.size(); ++i)
     {
       CAPTURE(i);
