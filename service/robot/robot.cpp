@@ -316,8 +316,21 @@ private:
         robot.B(c, joint) = robot.A(joint, c) * robot.kappa(joint);
         robot.B_inverse(joint, c) = robot.A_inverse(c, joint) / robot.kappa(joint);
       }
-    const int directions = robot.mechanism.num_directions();
-    robot.torques_of_moments.leftCols(directions) = robot.B_inverse.leftCols(size) * robot.mechanism.W().transpose();
+    const Bounded<kMaxJoints, kMaxDirections> torques_of_moments =
+        robot.B_inverse.topLeftCorner(n, size) * robot.mechanism.W().transpose();
+    for (Foot& foot : robot.feet)
+    {
+      const auto share = [&](std::size_t moment, int direction)
+      {
+        for (int joint = 0; joint < n; ++joint)
+          if (const double size_of = torques_of_moments(joint, direction); size_of != 0.0)
+            foot.torque_shares.push_back({static_cast<int>(moment), joint, size_of});
+      };
+      for (std::size_t i = 0; i < foot.ankle.size(); ++i)
+        share(i, foot.ankle[i].direction);
+      if (foot.exists())
+        share(foot.ankle.size(), foot.direction);
+    }
     for (const Actuator& motor : robot.actuators)
       for (const double number :
            {motor.rotor_inertia, motor.coulomb, motor.viscous, motor.stribeck, motor.friction_offset})

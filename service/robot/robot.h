@@ -132,6 +132,14 @@ struct Actuator
 /// A foot: where it can touch the ground. A foot without extent has heel = toe = ankle and no sole.
 struct Foot
 {
+  /// The torque of a motor for each N m about a direction, an entry of B⁺ Wᵀ.
+  struct TorqueShare
+  {
+    int moment; ///< whose direction it is: the index of an arm of the ankle; after the last, the foot
+    int joint;
+    double size;
+  };
+
   Side side = Side::left;
   int link = -1; ///< −1: the robot has no foot on this side
   /// In the link's frame, m; heel and toe lie equally high.
@@ -142,6 +150,7 @@ struct Foot
   int direction = -1;     ///< the link's
   /// Heel and toe from the ankle, in the frame of the direction, m.
   Eigen::Vector2d to_heel = Eigen::Vector2d::Zero(), to_toe = to_heel;
+  std::vector<TorqueShare> torque_shares = {}; ///< all that are not 0
 
   bool exists() const { return link >= 0; }
   bool has_extent() const { return heel_at != toe_at; }
@@ -182,8 +191,6 @@ struct Robot
   Eigen::Matrix<double, kMaxCoordinates, kMaxJoints> B = B.Zero();
   /// B⁺ of joint_torques(): rows of joints, columns of θ; the rest 0.
   Eigen::Matrix<double, kMaxJoints, kMaxCoordinates> B_inverse = B_inverse.Zero();
-  /// B⁺ Wᵀ: the torques that give a moment about each direction.
-  Eigen::Matrix<double, kMaxJoints, kMaxDirections> torques_of_moments = torques_of_moments.Zero();
   bool joint_friction = false; ///< whether any motor has a rotor or friction, joint_friction.h
   double leg_length = 0.0;     ///< a length of the robot's size, m: see assemble()
   /// The link in the middle of the way from foot to foot, the nearer one to the right foot of two; −1 without two feet.

@@ -20,7 +20,6 @@ enum class Rank
   torque,
   window
 };
-
 constexpr std::array<Rank, 3> kRanks{Rank::contact, Rank::torque, Rank::window};
 
 // The square root of what a window's lack costs, a torque of weight × leg length at every joint costing 1: so much that
@@ -296,12 +295,18 @@ Result<Reactions> constrained(const Robot& robot, const SupportEquations& equati
   const SumOfSquares sum = torque_squares(robot, torques, settings.weights);
   program.H.resize(n, n);
   program.g.resize(n);
-  for (int k = 0; k < n; ++k)
-  {
-    program.g(k) = sum.gradient(k) * unit(k) * per_scale;
-    for (int j = 0; j <= k; ++j)
-      program.H(j, k) = program.H(k, j) = sum.curvature(j, k) * unit(j) * unit(k) * per_scale;
-  }
+  sum.with_rows(
+      [&](auto rows)
+      {
+        for (int k = 0; k < n; ++k)
+        {
+          const auto column = sum.A.col(k).template head<rows>();
+          program.g(k) = column.dot(sum.b.head<rows>()) * unit(k) * per_scale;
+          for (int j = 0; j <= k; ++j)
+            program.H(j, k) = program.H(k, j) =
+                column.dot(sum.A.col(j).template head<rows>()) * unit(j) * unit(k) * per_scale;
+        }
+      });
   if (const double k = settings.reference_weight; k > 0.0)
   {
     const Result<Reactions> reference = zmp_transition(robot, equations, support);
@@ -322,7 +327,7 @@ Result<Reactions> constrained(const Robot& robot, const SupportEquations& equati
   }
   if (relaxed && solution.status != QuadraticProgramStatus::optimal)
   {
-    // not the windows alone
+    // not the windows alone: rank by rank, each row by what it lacks at the least, before the next rank is looked at
     BoundedVector<kMaxVariables> y = BoundedVector<kMaxVariables>::Zero(n);
     for (const Rank rank : kRanks)
     {

@@ -3,33 +3,32 @@
 
 #include <Eigen/Core>
 #include <optional>
+#include <type_traits>
 
 namespace torqued
 {
 
-/// |A y + b|², to be least. Rows are added in whole blocks, filled up with zeros.
+/// |A y + b|², to be least.
 struct SumOfSquares
 {
-  static constexpr int kBlock = 8; ///< known to the compiler, which is what makes sums over few rows fast
-  static constexpr int kMaxRows = 24;
+  static constexpr int kMaxRows = 20;
 
   Eigen::Matrix<double, kMaxRows, 3> A;
   Eigen::Matrix<double, kMaxRows, 1> b;
-  int rows = 0;      ///< a multiple of kBlock; what follows is not set
+  int rows = 0;      ///< filled up with zeros to 8, 12, 16 or 20; what follows is not set
   int variables = 0; ///< columns of A; what follows is not set
 
-  /// Entries of ½ its gradient at 0, Aᵀ b, and of ½ its curvature, Aᵀ A.
-  double gradient(int k) const { return dot(A.col(k).data(), b.data()); }
-  double curvature(int j, int k) const { return dot(A.col(j).data(), A.col(k).data()); }
-
-  /// The product of two columns.
-  double dot(const double* x, const double* y) const
+  /// Calls a function with the number of rows as a constant: that the compiler knows it is what makes sums over few
+  /// rows fast.
+  template <typename Function> auto with_rows(const Function& function) const
   {
-    using Block = Eigen::Map<const Eigen::Matrix<double, kBlock, 1>>;
-    double sum = 0.0;
-    for (int i = 0; i < rows; i += kBlock)
-      sum += Block(x + i).dot(Block(y + i));
-    return sum;
+    switch (rows)
+    {
+    case 8: return function(std::integral_constant<int, 8>());
+    case 12: return function(std::integral_constant<int, 12>());
+    case 16: return function(std::integral_constant<int, 16>());
+    default: return function(std::integral_constant<int, kMaxRows>());
+    }
   }
 };
 
@@ -41,39 +40,42 @@ struct SumOfSquares
 /// sum: overwritten, because a copy of what was just written waits for it.
 inline std::optional<Eigen::Vector3d> least_squares(SumOfSquares& sum, double rounding)
 {
-  using Block = Eigen::Matrix<double, SumOfSquares::kBlock, 1>;
-  const auto block = [](double* column, int i) -> Eigen::Map<Block>
+  const auto of_rows = [&](auto rows) -> std::optional<Eigen::Vector3d>
   {
-    return Eigen::Map<Block>(column + i);
-  };
-  // takes from a column what it shares with q, and returns how often that is in it
-  const auto take = [&](double* q, double per_squared, double* column)
-  {
-    const double share = sum.dot(q, column) * per_squared;
-    for (int i = 0; i < sum.rows; i += SumOfSquares::kBlock)
-      block(column, i) -= share * block(q, i);
-    return share;
-  };
+    auto b = sum.b.head<rows>();
+    const auto column = [&](int k)
+    {
+      return sum.A.col(k).template head<rows>();
+    };
+    // takes from a column what it shares with q, and returns how often that is in it
+    const auto take = [](const auto& q, double per_squared, auto&& from)
+    {
+      const double share = q.dot(from) * per_squared;
+      from -= share * q;
+      return share;
+    };
 
-  // A = Q U, the columns of Q orthogonal and U unit upper triangular; y = −U⁻¹ of b's shares in them
-  const int n = sum.variables;
-  Eigen::Matrix3d U;
-  Eigen::Vector3d y = Eigen::Vector3d::Zero();
-  for (int k = 0; k < n; ++k)
-  {
-    double* const q = sum.A.col(k).data();
-    const double squared = sum.dot(q, q);
-    if (squared <= rounding * rounding) // not so if it is not a number: then neither is y
-      return {};
-    const double per_squared = 1.0 / squared;
-    for (int j = k + 1; j < n; ++j)
-      U(k, j) = take(q, per_squared, sum.A.col(j).data());
-    y(k) = -take(q, per_squared, sum.b.data());
-  }
-  for (int k = n - 2; k >= 0; --k)
-    for (int j = k + 1; j < n; ++j)
-      y(k) -= U(k, j) * y(j);
-  return y;
+    // A = Q U, the columns of Q orthogonal and U unit upper triangular; y = −U⁻¹ of b's shares in them
+    const int n = sum.variables;
+    Eigen::Matrix3d U;
+    Eigen::Vector3d y = Eigen::Vector3d::Zero();
+    for (int k = 0; k < n; ++k)
+    {
+      const auto q = column(k);
+      const double squared = q.squaredNorm();
+      if (squared <= rounding * rounding) // not so if it is not a number: then neither is y
+        return {};
+      const double per_squared = 1.0 / squared;
+      for (int j = k + 1; j < n; ++j)
+        U(k, j) = take(q, per_squared, column(j));
+      y(k) = -take(q, per_squared, b);
+    }
+    for (int k = n - 2; k >= 0; --k)
+      for (int j = k + 1; j < n; ++j)
+        y(k) -= U(k, j) * y(j);
+    return y;
+  };
+  return sum.with_rows(of_rows);
 }
 
 } // namespace torqued

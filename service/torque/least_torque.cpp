@@ -1,5 +1,6 @@
 #include "torque/least_torque.h"
 
+#include <array>
 #include <cmath>
 
 namespace torqued
@@ -18,23 +19,27 @@ Result<Reactions> pseudo_inverse(const Robot& robot, const SupportEquations& equ
 {
   SumOfSquares sum = torque_squares(robot, reaction_torques(robot, equations, support, all), settings.weights);
 
-  // and λᵀ V λ, λ of w0 + Z y, by the root of V, with zeros for the foot that is fixed
+  // and λᵀ V λ, λ of w0 + Z y, by the root of V; it has 2 to 4 components
   const bool leading_sole = support.of(support.leading) == Contact::sole;
   const bool trailing_sole = support.of(support.trailing()) == Contact::sole;
-  sum.b.segment<SumOfSquares::kBlock>(sum.rows).setZero();
-  for (int k = 0; k < sum.variables; ++k)
-    sum.A.col(k).segment<SumOfSquares::kBlock>(sum.rows).setZero();
+  std::array<int, 4> of_w{};
+  Eigen::Vector4d root = Eigen::Vector4d::Zero();
+  int count = 0;
   for (const Side side : kSides)
     if (const bool fixed = side == support.leading ? leading_sole && !trailing_sole : trailing_sole; !fixed)
       for (int i = 0; i < wrench_components(support.of(side)); ++i)
       {
-        const int c = support.row(side) + i;
-        const double root = std::sqrt(settings.reaction_weights(i));
-        sum.b(sum.rows + c) = root * all.w0(c);
-        for (int k = 0; k < sum.variables; ++k)
-          sum.A(sum.rows + c, k) = root * all.Z(c, k);
+        of_w[static_cast<std::size_t>(count)] = support.row(side) + i;
+        root(count++) = std::sqrt(settings.reaction_weights(i));
       }
-  sum.rows += SumOfSquares::kBlock;
+  const auto lambda = [&](const auto& w) -> Eigen::Vector4d
+  {
+    return root.cwiseProduct(Eigen::Vector4d(w(of_w[0]), w(of_w[1]), w(of_w[2]), w(of_w[3])));
+  };
+  sum.b.segment<4>(sum.rows) = lambda(all.w0);
+  for (int k = 0; k < sum.variables; ++k)
+    sum.A.col(k).segment<4>(sum.rows) = lambda(all.Z.col(k));
+  sum.rows += 4;
 
   const auto y = least_squares(sum, 0.0);
   if (!y)

@@ -1,6 +1,8 @@
 #include "torque/reactions.h"
 
 #include <Eigen/Cholesky>
+#include <algorithm>
+#include <array>
 
 namespace torqued
 {
@@ -91,15 +93,12 @@ AdmissibleReactions admissible_reactions(const Robot& robot, const SupportEquati
 ReactionTorques reaction_torques(const Robot& robot, const SupportEquations& equations, const Support& support,
                                  const AdmissibleReactions& all)
 {
-  // of w0, and of each y: what the feet's wrenches amount to as a moment about each direction of their legs, Jᵀ (w0 Z)
+  // what w0, and each y, takes off each motor: B⁺ Wᵀ of the moments of the feet's wrenches about the directions of
+  // their legs
   using Columns = Eigen::Vector4d;
-  struct Moment
-  {
-    int direction;
-    Columns size;
-  };
-  std::array<Moment, 2 * (kMaxDirections + 1)> moments;
-  std::size_t count = 0;
+  const int rows = (robot.num_joints() + kJointBlock - 1) / kJointBlock * kJointBlock;
+  std::array<Columns, kMaxJoints> taken;
+  std::fill_n(taken.begin(), rows, Columns::Zero());
   for (const Side side : kSides)
   {
     const Contact contact = support.of(side);
@@ -120,45 +119,31 @@ ReactionTorques reaction_torques(const Robot& robot, const SupportEquations& equ
     {
       return r.x() * fz - r.y() * fx;
     };
-    const Foot& foot = robot.foot(side);
-    Columns own = contact == Contact::sole ? component(row + 2) : moment_at(standing.point - standing.ankle);
-    int i = 0;
-    for (const Arm& arm : foot.ankle)
-    {
-      Moment& moment = moments[count];
-      moment.direction = arm.direction;
-      moment.size = moment_at(standing.arms.col(i++));
-      if (arm.direction == foot.direction)
-        own += moment.size;
-      else
-        ++count;
-    }
-    moments[count].direction = foot.direction;
-    moments[count++].size = own;
+    std::array<Columns, kMaxDirections + 1> moments;
+    const auto arms = static_cast<std::size_t>(standing.arms.cols());
+    for (std::size_t i = 0; i < arms; ++i)
+      moments[i] = moment_at(standing.arms.col(static_cast<int>(i)));
+    moments[arms] = contact == Contact::sole ? component(row + 2) : moment_at(standing.point - standing.ankle);
+    for (const Foot::TorqueShare& share : robot.foot(side).torque_shares)
+      taken[static_cast<std::size_t>(share.joint)] += share.size * moments[static_cast<std::size_t>(share.moment)];
   }
 
-  // τ0 and T, a few rows at a time, so that all their columns stay at hand
-  constexpr int rows = 4;
-  static_assert(kJointBlock % rows == 0);
+  // τ0 and T, two joints at a time
+  const VectorJ without = joint_torques(robot, equations.r);
   ReactionTorques found;
   found.T.resize(kMaxJoints, all.redundancy());
-  const int blocks = (robot.num_joints() + kJointBlock - 1) / kJointBlock;
-  for (int j = 0; j < blocks * kJointBlock; j += rows)
+  for (int j = 0; j < rows; j += 2)
   {
-    Eigen::Matrix4d sum = Eigen::Matrix4d::Zero();
-    for (int c = 0; c < robot.mechanism.num_theta(); ++c)
-      sum.col(0) += equations.r(c) * robot.B_inverse.block<rows, 1>(j, c);
-    for (std::size_t m = 0; m < count; ++m)
-      sum.noalias() -=
-          robot.torques_of_moments.block<rows, 1>(j, moments[m].direction).lazyProduct(moments[m].size.transpose());
-    found.tau0.segment<rows>(j) = sum.col(0);
+    const Columns& one = taken[static_cast<std::size_t>(j)];
+    const Columns& next = taken[static_cast<std::size_t>(j + 1)];
+    found.tau0.segment<2>(j) = Eigen::Map<const Eigen::Vector2d>(without.data() + j) - Eigen::Vector2d(one(0), next(0));
     for (int k = 0; k < all.redundancy(); ++k)
-      found.T.block<rows, 1>(j, k) = sum.col(1 + k);
+      found.T.block<2, 1>(j, k) = -Eigen::Vector2d(one(1 + k), next(1 + k));
   }
   return found;
 }
 
-static_assert(kJointBlock == SumOfSquares::kBlock && kMaxJoints + SumOfSquares::kBlock <= SumOfSquares::kMaxRows);
+static_assert(kJointBlock == 8 && kMaxJoints == 16, "what SumOfSquares knows of");
 
 SumOfSquares torque_squares(const Robot& robot, const ReactionTorques& torques, const JointWeights& weights)
 {
