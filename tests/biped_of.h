@@ -1,4 +1,4 @@
-/// Bipeds with more links than those that ship.
+/// Bipeds with as many links as one asks for.
 #pragma once
 
 #include "robot/robot.h"
@@ -9,7 +9,7 @@
 namespace torqued
 {
 
-/// A biped of so many links, an odd number: a trunk, and legs of equal links, of which the last have soles.
+/// A biped of so many links, an odd number from 3: a trunk, and legs of equal links, of which the last have soles.
 inline Robot biped_of(int links)
 {
   const int per_leg = (links - 1) / 2;

@@ -237,6 +237,7 @@ Case walking(oracle::Random& random, int i, Contact left, Contact right, double 
 {
   const Stance stance{left, right, i % 4 < 2 ? Side::left : Side::right};
   auto [biped, motion] = posed(random, i, stance);
+  // named, because Clang captures structured bindings by themselves only from version 16
   const auto reach = [&, &biped = biped, &motion = motion](Side side, Contact contact, Contact end)
   {
     return biped.contact_point(side, contact == Contact::sole ? end : contact, motion.X).x();
@@ -561,13 +562,7 @@ TEST_CASE("every motor keeps its limit, however many there are", "[constrained]"
         for (int i = 0; i < kStates / 20; ++i)
         {
           CAPTURE(robot.name, name_of(left), name_of(right), i);
-          const State state = of_mechanism(robot, random_state(random, robot));
-          DesiredState desired{};
-          desired.base_given = !robot.fixed_root();
-          desired.support = contacts;
-          desired.q = state.q;
-          desired.v = state.v;
-          desired.a = state.a;
+          const DesiredState desired = desired_of(robot, random_state(random, robot), contacts);
           const auto equations = std::get<SupportEquations>(support_equations(robot, desired));
           const auto solve = [&]
           {

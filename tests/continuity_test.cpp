@@ -61,6 +61,7 @@ Switch change(oracle::Random& random, int i, const Support& rests, double x_from
   const double to = both ? biped.contact_point(leading, Contact::heel, motion.X).x()
                          : biped.contact_point(carries, Contact::toe, motion.X).x();
   ask_of_ground(random, biped, stance, from + oracle::uniform(random, x_from, x_to) * (to - from), motion);
+  // named, because Clang captures structured bindings by themselves only from version 16
   const auto seen = [&, &biped = biped, &motion = motion](const Support& support, const Robot& robot)
   {
     Case now(biped, robot, motion, support.contact[0], support.contact[1], leading, support.load_transfer,

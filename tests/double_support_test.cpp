@@ -750,13 +750,7 @@ TEST_CASE("every robot that stands on two feet is served by every method, and le
         for (int i = 0; i < kStates / 40; ++i)
         {
           CAPTURE(robot.name, name_of(left), name_of(right), i);
-          const State state = of_mechanism(robot, random_state(random, robot));
-          DesiredState desired{};
-          desired.base_given = !robot.fixed_root();
-          desired.support = contacts;
-          desired.q = state.q;
-          desired.v = state.v;
-          desired.a = state.a;
+          const DesiredState desired = desired_of(robot, random_state(random, robot), contacts);
           const auto equations = std::get<SupportEquations>(support_equations(robot, desired));
           const Eigen::MatrixXd T =
               reaction_torques(robot, equations, contacts, admissible_reactions(robot, equations, contacts))

@@ -421,12 +421,7 @@ TEST_CASE("a rotor's inertia adds B diag(I) Bᵀ to the mass matrix", "[laws]")
     {
       CAPTURE(i);
       const State state = random_state(random, robot);
-      DesiredState desired{};
-      desired.base_given = !robot.fixed_root();
-      desired.support = support(robot, Contact::none, Contact::none);
-      desired.q = of_mechanism(robot, state.q);
-      desired.v = of_mechanism(robot, state.v);
-      desired.a = of_mechanism(robot, state.a);
+      const DesiredState desired = desired_of(robot, state, support(robot, Contact::none, Contact::none));
       const auto equations = support_equations(robot, desired);
       const VectorQ found = in_coordinates(robot, std::get<SupportEquations>(equations).r, Coordinates::absolute);
       const EquationOfMotion equation =

@@ -140,13 +140,8 @@ TEST_CASE("MuJoCo's armature is our rotor inertia", "[mujoco]")
     CAPTURE(i);
     const State state = random_state(random, robot);
     model.inverse(model.tree().motion(state.q, state.v, state.a));
-    DesiredState desired{};
-    desired.base_given = true;
-    desired.support = support(robot, Contact::none, Contact::none);
-    desired.q = state.q;
-    desired.v = state.v;
-    desired.a = state.a;
-    const auto equations = support_equations(robot, desired);
+    const auto equations =
+        support_equations(robot, desired_of(robot, state, support(robot, Contact::none, Contact::none)));
     CHECK(mismatch(std::get<SupportEquations>(equations).r, model.ours(model.data().qfrc_inverse), kTolerance) == "");
   }
 }

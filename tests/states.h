@@ -60,9 +60,8 @@ inline State of_mechanism(const Robot& robot, const State& state)
   return {of_mechanism(robot, state.q), of_mechanism(robot, state.v), of_mechanism(robot, state.a)};
 }
 
-/// Every robot that ships, one with many links, and random ones, named for what they have that those have
-/// not: rolling knees with each kind of motor, a rolling knee whose parent is the shin, and whatever else can be
-/// described.
+/// Every robot that ships, one with many links, and random ones, named for what they have that those have not: rolling
+/// knees with each kind of motor, a rolling knee whose parent is the shin, and whatever else can be described.
 inline std::vector<Robot> all_kinds_of_robots()
 {
   std::vector<Robot> robots;
@@ -119,8 +118,8 @@ inline Support support(const Robot& robot, Contact left, Contact right)
   return result;
 }
 
-/// The motion as the service completes it.
-inline Motion motion_of(const Robot& robot, const State& state, const Support& contacts)
+/// A state as it is asked for, the base point given where the root is not fixed.
+inline DesiredState desired_of(const Robot& robot, const State& state, const Support& contacts)
 {
   DesiredState desired{};
   desired.base_given = !robot.fixed_root();
@@ -128,7 +127,13 @@ inline Motion motion_of(const Robot& robot, const State& state, const Support& c
   desired.q = of_mechanism(robot, state.q);
   desired.v = of_mechanism(robot, state.v);
   desired.a = of_mechanism(robot, state.a);
-  const auto completed = complete_motion(robot, desired);
+  return desired;
+}
+
+/// The motion as the service completes it.
+inline Motion motion_of(const Robot& robot, const State& state, const Support& contacts)
+{
+  const auto completed = complete_motion(robot, desired_of(robot, state, contacts));
   if (const Refusal* refusal = std::get_if<Refusal>(&completed))
     throw std::invalid_argument(std::string(refusal->detail()));
   return std::get<Motion>(completed);

@@ -477,13 +477,8 @@ TEST_CASE("motors give what rotors and friction take on top, and the ground feel
     for (int i = 0; i < 200; ++i)
     {
       CAPTURE(name, i);
-      const State state = of_mechanism(ideal, random_state(random, ideal));
-      DesiredState desired{};
-      desired.base_given = !ideal.fixed_root();
-      desired.support = {{Contact::sole, Contact::heel}, Side::right, 0.4, 0.0};
-      desired.q = state.q;
-      desired.v = state.v;
-      desired.a = state.a;
+      const DesiredState desired =
+          desired_of(ideal, random_state(random, ideal), {{Contact::sole, Contact::heel}, Side::right, 0.4, 0.0});
       const auto solve = [&](const Robot& robot)
       {
         const auto equations = std::get<SupportEquations>(support_equations(robot, desired));
@@ -499,7 +494,7 @@ TEST_CASE("motors give what rotors and friction take on top, and the ground feel
       for (int j = 0; j < real.num_joints(); ++j)
       {
         const Actuator& motor = real.actuators[static_cast<std::size_t>(j)];
-        const double rate = B.col(j).dot(state.v), acceleration = B.col(j).dot(state.a);
+        const double rate = B.col(j).dot(desired.v), acceleration = B.col(j).dot(desired.a);
         const double slow = rate / motor.stribeck_velocity;
         const double taken = motor.rotor_inertia * acceleration + motor.viscous * rate + motor.friction_offset +
                              (rate > 0.0 ? 1.0 : -1.0) * (motor.coulomb + motor.stribeck * std::exp(-slow * slow));

@@ -323,8 +323,8 @@ private:
       const auto share = [&](std::size_t moment, int direction)
       {
         for (int joint = 0; joint < n; ++joint)
-          if (const double size_of = torques_of_moments(joint, direction); size_of != 0.0)
-            foot.torque_shares.push_back({static_cast<int>(moment), joint, size_of});
+          if (const double entry = torques_of_moments(joint, direction); entry != 0.0)
+            foot.torque_shares.push_back({static_cast<int>(moment), joint, entry});
       };
       for (std::size_t i = 0; i < foot.ankle.size(); ++i)
         share(i, foot.ankle[i].direction);
