@@ -192,7 +192,7 @@ TEST_CASE("two contact points at one place count as one: an imbalance is refused
     for (const Method method : {Method::pseudo_inverse, Method::constrained})
     {
       const TorqueSolution found = now.solution(method);
-      CHECK(dynamics_residual(now.robot, found.rest, found.torque) < 1e-9 * size(now, found));
+      CHECK(dynamics_residual(now.robot, now.equations, found, found.torque) < 1e-9 * size(now, found));
     }
     for (const Method method : {Method::linear_transition, Method::zmp_transition, Method::internal_wrench,
                                 Method::torso_wrench, Method::tracked_reaction, Method::tracked_internal})
@@ -730,7 +730,7 @@ friction = 0.8
     const auto solved = solve_torques(robot, equations, desired.support, known.method, {}, 1e-3);
     REQUIRE(std::holds_alternative<TorqueSolution>(solved));
     const TorqueSolution& found = std::get<TorqueSolution>(solved);
-    CHECK(dynamics_residual(robot, found.rest, found.torque) < 1e-10 * robot.weight());
+    CHECK(dynamics_residual(robot, equations, found, found.torque) < 1e-10 * robot.weight());
   }
 }
 
@@ -770,7 +770,7 @@ TEST_CASE("every robot that stands on two feet is served by every method, and le
             const TorqueSolution& found = std::get<TorqueSolution>(solved);
             ++answered;
             const double unit = 1.0 + std::max(found.w.cwiseAbs().maxCoeff(), equations.r.cwiseAbs().maxCoeff());
-            CHECK(dynamics_residual(robot, found.rest, found.torque) < 1e-9 * unit);
+            CHECK(dynamics_residual(robot, equations, found, found.torque) < 1e-9 * unit);
             if (known.method != Method::internal_wrench && known.method != Method::torso_wrench)
               continue;
             // its gradient along what (2) leaves free vanishes

@@ -155,6 +155,23 @@ std::vector<Moving> centres_of_mass(const Robot& robot, const State& state)
 
 } // namespace
 
+TEST_CASE("directions turn as W says, whatever stands beyond the angles", "[laws]")
+{
+  // a base point that is not given may be anything, and is stored right behind the angles
+  oracle::Random random(91);
+  for (const Robot& robot : all_kinds_of_robots())
+  {
+    CAPTURE(robot.name);
+    const Mechanism& mechanism = robot.mechanism;
+    CHECK(mechanism.num_directions() % kDirectionBlock == 0);
+    VectorQ q(mechanism.num_q());
+    for (double& number : q)
+      number = oracle::uniform(random, -3.0, 3.0);
+    q.tail<2>().setConstant(std::nan(""));
+    CHECK(mismatch(mechanism.of_directions(q), mechanism.W() * q.head(mechanism.num_theta()), 1e-15) == "");
+  }
+}
+
 TEST_CASE("the mass matrix is symmetric and positive definite", "[laws]")
 {
   for_all(kStates,

@@ -403,7 +403,9 @@ TEST_CASE("what is not near its contacts is not moved there", "[projection]")
   CHECK(refused(motion) == "answered");
   oracle::Motion high = motion;
   high.X(8) += 0.1;
-  CHECK(refused(high).starts_with("INCONSISTENT: the left foot is 0.1 m from where its contact has it"));
+  // both feet are as far, to rounding
+  CHECK(refused(high).starts_with("INCONSISTENT: the "));
+  CHECK(refused(high).find(" foot is 0.1 m from where its contact has it") != std::string::npos);
   oracle::Motion tilted = motion;
   tilted.X(5) += 0.2;
   CHECK(refused(tilted).find("a sole tilts by 0.2 rad; a motion is projected from up to 0.0395 m and 0.1 rad") !=

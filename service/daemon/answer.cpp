@@ -154,7 +154,7 @@ std::optional<Refusal> answer_motion(const Robot& robot, const AnswerSettings& s
   answer.torque = solution.torque;
   if (const auto refusal = apply_limits(robot, settings, desired, memory, answer.torque, flags))
     return *refusal;
-  answer.dynamics_residual = dynamics_residual(robot, solution.rest, answer.torque);
+  answer.dynamics_residual = dynamics_residual(robot, equations, solution, answer.torque);
   answer.flags = flags;
   if (!all_finite(answer))
     return Refusal(Reason::numerical, "a result is not finite; the motion's numbers are too large");

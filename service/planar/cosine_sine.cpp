@@ -1,5 +1,7 @@
 #include "planar/cosine_sine.h"
 
+#include "planar/processors.h"
+
 #include <algorithm>
 #include <bit>
 #include <cmath>
@@ -40,22 +42,25 @@ double sine_near_0(double r, double y)
 
 } // namespace
 
+TORQUED_FOR_PROCESSORS
 PlaneVectors cosines_and_sines(const VectorD& phi)
 {
-  const int count = static_cast<int>(phi.size());
+  const int blocks = static_cast<int>(phi.size()) / kDirectionBlock;
+  const int count = blocks * kDirectionBlock;
   PlaneVectors e(2, count);
-  double largest = 0.0;
-  for (int k = 0; k < count; ++k)
-    largest = std::max(largest, std::abs(phi(k)));
-  if (!(largest <= kLargest))
+  DirectionBlock size = DirectionBlock::Zero();
+  for (int k = 0; k < count; k += kDirectionBlock)
+    size += phi.segment<kDirectionBlock>(k).array().abs().transpose();
+  if (!(size.sum() <= kLargest))
   {
     for (int k = 0; k < count; ++k)
       e.col(k) << std::cos(phi(k)), std::sin(phi(k));
     return e;
   }
-  // no step branches, so that the compiler does two angles at a time
+  // no step branches, so that the compiler does several angles at a time
   const double* const x = phi.data();
-  double* const to = e.data();
+  double* const cosine = e.data();
+  double* const sine = cosine + count;
 #if !defined(__clang__)
 #pragma GCC ivdep
 #endif
@@ -71,8 +76,8 @@ PlaneVectors cosines_and_sines(const VectorD& phi)
     // each quarter turn makes (−sin, cos) of (cos, sin): bit by bit, because a branch would do one angle at a time
     const auto quarters = std::bit_cast<std::uint64_t>(shifted);
     const std::uint64_t odd = -(quarters & 1);
-    to[2 * k] = std::bit_cast<double>(((c & ~odd) | (s & odd)) ^ (((quarters + 1) & 2) << 62));
-    to[2 * k + 1] = std::bit_cast<double>(((s & ~odd) | (c & odd)) ^ ((quarters & 2) << 62));
+    cosine[k] = std::bit_cast<double>(((c & ~odd) | (s & odd)) ^ (((quarters + 1) & 2) << 62));
+    sine[k] = std::bit_cast<double>(((s & ~odd) | (c & odd)) ^ ((quarters & 2) << 62));
   }
   return e;
 }

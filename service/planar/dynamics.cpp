@@ -1,54 +1,73 @@
 #include "planar/dynamics.h"
 
+#include "planar/processors.h"
+
 namespace torqued
 {
 
-double inverse_dynamics(const Mechanism& mechanism, const Kinematics& now, const VectorD& turn,
-                        const Eigen::Vector2d& base, VectorQ& r)
+TORQUED_FOR_PROCESSORS
+Eigen::Vector3d inverse_dynamics(const Mechanism& mechanism, const Kinematics& now, const VectorD& turn,
+                                 const Eigen::Vector2d& base, VectorQ& r)
 {
+  using Numbers = Eigen::Array<double, 1, kMaxDirections>;
   const int size = mechanism.num_theta();
   const int directions = mechanism.num_directions();
-
-  // ẍ of every direction; S in the world; what a direction feels in the ends of all others
-  PlaneVectors arm(2, directions), moments(2, directions), felt(2, directions);
-  Eigen::Vector2d force = Eigen::Vector2d::Zero();
-  for (int k = 0; k < directions; ++k)
+  const auto block = [](const auto& numbers, int k) -> DirectionBlock
   {
-    const Eigen::Vector2d e = now.e.col(k);
-    const Eigen::Vector2d x = turn(k) * perp(e) - now.rate(k) * now.rate(k) * e;
-    const Eigen::Vector2d S_k = mechanism.moments().col(k);
-    arm.col(k) = x;
-    moments.col(k) = rotate(e, S_k);
-    felt.col(k).setZero();
-    force += rotate(x, S_k);
-  }
-  for (const auto& [j, k, P] : mechanism.pairs())
-  {
-    const Eigen::Vector2d x_j = arm.col(j), x_k = arm.col(k);
-    felt.col(j) += P.x() * x_k + P.y() * perp(x_k);
-    felt.col(k) += P.x() * x_j - P.y() * perp(x_j);
-  }
-
-  // acceleration of the base point, gravity included; used last, because it is known last
-  const Eigen::Vector2d a_base = base + Eigen::Vector2d(0.0, mechanism.gravity());
-  const auto moment = [&](int k)
-  {
-    return cross(now.e.col(k), felt.col(k)) + mechanism.inertias()(k) * turn(k) + cross(moments.col(k), a_base);
+    return Eigen::Map<const DirectionBlock>(numbers.data() + k);
   };
-  double total = 0.0;
-  r.resize(size + 2);
-  for (int k = 0; k < size; ++k)
-    total += r(k) = moment(k);
-  for (const auto& [bar, column, share] : mechanism.shares_of_bars())
+
+  // ẍ of every direction, S in the world, and Σ S ẍ; blocks of directions at a time
+  Numbers arm_x, arm_z, moment_x, moment_z;
+  DirectionBlock force_x = DirectionBlock::Zero(), force_z = force_x;
+  for (int k = 0; k < directions; k += kDirectionBlock)
   {
-    const double x = share * moment(bar);
-    r(column) += x;
-    total += x;
+    const DirectionBlock cosine = block(now.e.row(0), k), sine = block(now.e.row(1), k);
+    const DirectionBlock S_x = block(mechanism.moments().row(0), k), S_z = block(mechanism.moments().row(1), k);
+    const DirectionBlock turning = block(turn, k), inwards = block(now.rate, k).square();
+    const DirectionBlock m_x = S_x * cosine - S_z * sine, m_z = S_x * sine + S_z * cosine;
+    arm_x.segment<kDirectionBlock>(k) = -turning * sine - inwards * cosine;
+    arm_z.segment<kDirectionBlock>(k) = turning * cosine - inwards * sine;
+    moment_x.segment<kDirectionBlock>(k) = m_x;
+    moment_z.segment<kDirectionBlock>(k) = m_z;
+    force_x -= turning * m_z + inwards * m_x;
+    force_z += turning * m_x - inwards * m_z;
   }
+
+  // the moment about every direction; the acceleration of the base point, gravity included, is used last, because it is
+  // known last
+  const double a_x = base.x(), a_z = base.y() + mechanism.gravity();
+  Numbers moment;
+  DirectionBlock total = DirectionBlock::Zero();
+  auto pair = mechanism.pair_columns().begin();
+  for (int j = 0; j < directions; j += kDirectionBlock)
+  {
+    // Σ P_jk ẍ_k
+    DirectionBlock felt_x = DirectionBlock::Zero(), felt_z = felt_x;
+    for (; pair != mechanism.pair_columns().end() && pair->row == j; ++pair)
+    {
+      const double x = arm_x(pair->column), z = arm_z(pair->column);
+      felt_x += pair->P_x * x - pair->P_z * z;
+      felt_z += pair->P_x * z + pair->P_z * x;
+    }
+    const DirectionBlock found = block(now.e.row(0), j) * felt_z - block(now.e.row(1), j) * felt_x +
+                                 block(mechanism.inertias(), j) * block(turn, j) +
+                                 (block(moment_x, j) * a_z - block(moment_z, j) * a_x);
+    moment.segment<kDirectionBlock>(j) = found;
+    total += block(mechanism.turned_with_all(), j) * found;
+  }
+
+  r.resize(size + 2);
+  for (int k = 0; k < size; k += kDirectionBlock) // the storage goes on to the end of the block
+    Eigen::Map<DirectionBlock>(r.data() + k) = block(moment, k);
+  for (const auto& [bar, column, share] : mechanism.shares_of_bars())
+    r(column) += share * moment(bar);
   for (const auto& [row, column, mass] : mechanism.sliding())
     r(row) += mass * turn(column);
-  r.tail<2>() = force + mechanism.mass() * a_base;
-  return total;
+  const Eigen::Vector3d whole(force_x.sum() + mechanism.mass() * a_x, force_z.sum() + mechanism.mass() * a_z,
+                              total.sum());
+  r.tail<2>() = whole.head<2>();
+  return whole;
 }
 
 MatrixQ mass_matrix(const Mechanism& mechanism, const Kinematics& now)

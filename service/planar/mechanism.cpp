@@ -19,13 +19,33 @@ std::vector<Mechanism::Entry> entries(const Eigen::MatrixXd& matrix, Eigen::Inde
   return found;
 }
 
+// rows of zeros up to a whole number of blocks
+Eigen::MatrixXd in_blocks(const Eigen::MatrixXd& W)
+{
+  const Eigen::Index rows = (W.rows() + kDirectionBlock - 1) / kDirectionBlock * kDirectionBlock;
+  Eigen::MatrixXd filled = Eigen::MatrixXd::Zero(rows, W.cols());
+  filled.topRows(W.rows()) = W;
+  return filled;
+}
+
 } // namespace
 
 Mechanism::Mechanism(const Eigen::MatrixXd& W, const std::vector<Body>& bodies, double gravity)
-    : W_(W), shares_of_bars_(entries(W, W.cols())), gravity_(gravity), inertias_(VectorD::Zero(W.rows()))
+    : W_(in_blocks(W)), shares_of_bars_(entries(W, W.cols())), gravity_(gravity), inertias_(VectorD::Zero(W_.rows()))
 {
   assert(W.rows() <= kMaxDirections && num_q() <= kMaxCoordinates && W.topRows(W.cols()).isIdentity(0.0));
   const int directions = num_directions();
+  for (int row = 0; row < directions; row += kDirectionBlock)
+    for (int column = 0; column < num_theta(); ++column)
+    {
+      DirectionBlock shares = W_.block<kDirectionBlock, 1>(row, column).transpose();
+      for (int i = 0; i < kDirectionBlock && row + i < num_theta(); ++i)
+        shares(i) = 0.0;
+      if (!shares.isZero(0.0))
+        blocks_of_bars_.push_back({row, column, shares});
+    }
+  is_theta_.setZero(directions);
+  is_theta_.head(num_theta()).setOnes();
   moments_.setZero(2, directions);
   Eigen::MatrixXd sliding = Eigen::MatrixXd::Zero(num_theta(), num_theta());
   std::vector<Eigen::Vector2d> P(static_cast<std::size_t>(directions * directions), Eigen::Vector2d::Zero());
@@ -68,6 +88,24 @@ Mechanism::Mechanism(const Eigen::MatrixXd& W, const std::vector<Body>& bodies, 
       if (const Eigen::Vector2d& pair = P[static_cast<std::size_t>(j * directions + k)]; !pair.isZero(0.0))
         pairs_.push_back({j, k, pair});
 
+  // P_jk and, of its mirror image, conj(P_jk)
+  Eigen::MatrixXd P_x = Eigen::MatrixXd::Zero(directions, directions), P_z = P_x;
+  for (const auto& [j, k, pair] : pairs_)
+  {
+    P_x(j, k) = P_x(k, j) = pair.x();
+    P_z(j, k) = pair.y();
+    P_z(k, j) = -pair.y();
+  }
+  for (int row = 0; row < directions; row += kDirectionBlock)
+    for (int column = 0; column < directions; ++column)
+    {
+      const DirectionBlock x = P_x.block<kDirectionBlock, 1>(row, column).transpose();
+      const DirectionBlock z = P_z.block<kDirectionBlock, 1>(row, column).transpose();
+      if (!x.isZero(0.0) || !z.isZero(0.0))
+        pair_columns_.push_back({row, column, x, z});
+    }
+
+  turned_with_all_ = W_.rowwise().sum();
   sliding_ = entries(sliding);
   inertia_ = W_.transpose() * inertias_.asDiagonal() * W_ + sliding;
 }

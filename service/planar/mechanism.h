@@ -11,8 +11,9 @@
 ///
 ///   φ = W θ                                                                            (W constant)
 ///
-/// against the world. The first of them are the members of θ; bars follow. A *point* of the mechanism is the base point
-/// plus arms, each constant in its direction's frame:
+/// against the world. The first of them are the members of θ; bars follow, and up to a whole number of blocks what
+/// never turns and carries nothing. A *point* of the mechanism is the base point plus arms, each constant in its
+/// direction's frame:
 ///
 ///   p = p_base + Σₖ R(φₖ) rₖ
 ///
@@ -30,6 +31,9 @@ namespace torqued
 inline constexpr int kMaxCoordinates = 16;
 /// The most directions: what the angles turn, a bar for each of them but the root's, and the world.
 inline constexpr int kMaxDirections = 2 * (kMaxCoordinates - 2);
+/// So many are computed at once; a mechanism has them in whole blocks.
+inline constexpr int kDirectionBlock = 4;
+static_assert(kMaxDirections % kDirectionBlock == 0);
 
 template <int MaxRows, int MaxCols>
 using Bounded = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, MaxRows, MaxCols>;
@@ -41,8 +45,10 @@ using MatrixQ = Bounded<kMaxCoordinates, kMaxCoordinates>;
 /// One number per direction.
 using VectorD = BoundedVector<kMaxDirections>;
 using MatrixD = Bounded<kMaxDirections, kMaxDirections>;
-/// One plane vector per direction, as columns.
-using PlaneVectors = Eigen::Matrix<double, 2, Eigen::Dynamic, 0, 2, kMaxDirections>;
+/// One plane vector per direction, as columns; all x, then all z, so that several directions are computed at once.
+using PlaneVectors = Eigen::Matrix<double, 2, Eigen::Dynamic, Eigen::RowMajor, 2, kMaxDirections>;
+/// A number of each direction of a block.
+using DirectionBlock = Eigen::Array<double, 1, kDirectionBlock>;
 
 /// r turned by +90°: (−r_z, r_x).
 inline Eigen::Vector2d perp(const Eigen::Vector2d& r)
@@ -104,6 +110,13 @@ public:
     int j, k;
     Eigen::Vector2d P;
   };
+  /// The constants that couple the directions of a block, from `row` on, with one other: P_jk of all of them, 0 of k
+  /// itself.
+  struct PairColumn
+  {
+    int row, column;
+    DirectionBlock P_x, P_z;
+  };
   /// An entry of a matrix that has few.
   struct Entry
   {
@@ -111,7 +124,8 @@ public:
     double value;
   };
 
-  /// W: directions × length of θ, begins with the unit matrix; gravity: m/s², downward.
+  /// W: directions × length of θ, begins with the unit matrix, and is filled up with zeros to whole blocks; gravity:
+  /// m/s², downward.
   ///
   /// Requires: sizes that stay within kMaxCoordinates and kMaxDirections; arms and bodies that name existing
   /// directions and members of θ.
@@ -127,13 +141,20 @@ public:
   /// W θ; `theta` may go on, as q, v and a do.
   VectorD of_directions(const VectorQ& theta) const
   {
+    // what follows θ becomes 0 within its block, because a part of a block written apart makes the whole wait
     VectorD x(num_directions());
-    for (int c = 0; c < num_theta(); ++c)
-      x(c) = theta(c);
-    for (int bar = num_theta(); bar < num_directions(); ++bar)
-      x(bar) = 0.0;
-    for (const Entry& share : shares_of_bars_)
-      x(share.row) += share.value * theta(share.column);
+    const double* const from = theta.data();
+    int k = 0;
+    for (; k < num_theta(); k += kDirectionBlock)
+      for (int i = k; i < k + kDirectionBlock; ++i)
+      {
+        const double number = from[i];
+        x.data()[i] = is_theta_.data()[i] != 0.0 ? number : 0.0;
+      }
+    for (; k < num_directions(); k += kDirectionBlock)
+      x.segment<kDirectionBlock>(k).setZero();
+    for (const BlockOfBars& bars : blocks_of_bars_)
+      x.segment<kDirectionBlock>(bars.row).array() += theta(bars.column) * bars.shares.transpose();
     return x;
   }
   /// Adds Wᵀ x to the head of `theta`, x being 0 but at one direction.
@@ -148,22 +169,35 @@ public:
   }
   /// W below the unit matrix.
   const std::vector<Entry>& shares_of_bars() const { return shares_of_bars_; }
-  double gravity() const { return gravity_; }                    ///< m/s², downward
-  double mass() const { return mass_; }                          ///< m, kg
-  const PlaneVectors& moments() const { return moments_; }       ///< S, kg m, one column per direction
-  const std::vector<Pair>& pairs() const { return pairs_; }      ///< P, kg m², those that are not zero
-  const VectorD& inertias() const { return inertias_; }          ///< I, kg m²
-  const std::vector<Entry>& sliding() const { return sliding_; } ///< kg; rows and columns of θ
+  /// How fast each direction turns when all of θ turns at rate 1: W times ones.
+  const VectorD& turned_with_all() const { return turned_with_all_; }
+  double gravity() const { return gravity_; }                                   ///< m/s², downward
+  double mass() const { return mass_; }                                         ///< m, kg
+  const PlaneVectors& moments() const { return moments_; }                      ///< S, kg m, one column per direction
+  const std::vector<Pair>& pairs() const { return pairs_; }                     ///< P, kg m², those that are not zero
+  const std::vector<PairColumn>& pair_columns() const { return pair_columns_; } ///< the same, block by block
+  const VectorD& inertias() const { return inertias_; }                         ///< I, kg m²
+  const std::vector<Entry>& sliding() const { return sliding_; }                ///< kg; rows and columns of θ
   /// Wᵀ diag(I) W, and sliding: the part of M(q) that is the same in every pose, θ × θ.
   const MatrixQ& inertia() const { return inertia_; }
 
 private:
   Bounded<kMaxDirections, kMaxCoordinates> W_;
   std::vector<Entry> shares_of_bars_;
+  // the same by whole blocks of rows
+  struct BlockOfBars
+  {
+    int row, column;
+    DirectionBlock shares;
+  };
+  std::vector<BlockOfBars> blocks_of_bars_;
+  VectorD is_theta_; // 1 of a member of θ; else 0
+  VectorD turned_with_all_;
   double gravity_;
   double mass_ = 0.0;
   PlaneVectors moments_;
   std::vector<Pair> pairs_;
+  std::vector<PairColumn> pair_columns_;
   VectorD inertias_;
   std::vector<Entry> sliding_;
   MatrixQ inertia_;

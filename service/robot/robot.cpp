@@ -310,10 +310,11 @@ private:
   {
     const int n = robot.num_joints();
     const int size = robot.mechanism.num_theta();
-    for (int joint = 0; joint < n; ++joint)
-      for (int c = 0; c < size; ++c)
+    for (int c = 0; c < size; ++c)
+      for (int joint = 0; joint < n; ++joint)
       {
-        robot.B(c, joint) = robot.A(joint, c) * robot.kappa(joint);
+        if (const double entry = robot.A(joint, c) * robot.kappa(joint); entry != 0.0)
+          robot.B.push_back({c, joint, entry});
         robot.B_inverse(joint, c) = robot.A_inverse(c, joint) / robot.kappa(joint);
       }
     const Bounded<kMaxJoints, kMaxDirections> torques_of_moments =
@@ -629,48 +630,9 @@ VectorJ joint_rates(const Robot& robot, const VectorQ& theta_rates)
 VectorQ joint_forces(const Robot& robot, const VectorJ& torque)
 {
   VectorQ force = VectorQ::Zero(robot.mechanism.num_theta());
-  for (int j = 0; j < robot.num_joints(); ++j)
-    force += torque(j) * robot.B.col(j).head(force.size());
+  for (const auto& [row, joint, share] : robot.B)
+    force(row) += share * torque(joint);
   return force;
-}
-
-double largest_left(const Robot& robot, const VectorQ& force, const VectorJ& torque)
-{
-  // eight rows at a time, as in joint_torques(); then what is left, of which the base point's rows feel no motor
-  constexpr int block = 8;
-  const int size = static_cast<int>(force.size());
-  double largest = 0.0, total = 0.0;
-  int row = 0;
-  for (; row + block <= size; row += block)
-  {
-    Eigen::Matrix<double, block, 1> left = force.segment<block>(row);
-    for (int j = 0; j < robot.num_joints(); ++j)
-      left -= torque(j) * robot.B.block<block, 1>(row, j);
-    largest = std::max(largest, left.cwiseAbs().maxCoeff());
-    total += left.sum();
-  }
-  for (; row < size; ++row)
-  {
-    double left = force(row);
-    for (int j = 0; row < robot.mechanism.num_theta() && j < robot.num_joints(); ++j)
-      left -= torque(j) * robot.B(row, j);
-    largest = std::max(largest, std::abs(left));
-    total += left;
-  }
-  return largest + 0.0 * total; // no comparison sees what is not a number
-}
-
-VectorJ joint_torques(const Robot& robot, const VectorQ& force)
-{
-  VectorJ torque(robot.num_joints());
-  for (int j = 0; j < robot.num_joints(); j += kJointBlock)
-  {
-    JointBlock sum = JointBlock::Zero();
-    for (int c = 0; c < robot.mechanism.num_theta(); ++c)
-      sum += force(c) * robot.B_inverse.block<kJointBlock, 1>(j, c);
-    Eigen::Map<JointBlock>(torque.data() + j) = sum; // the storage goes on to the end of the block
-  }
-  return torque;
 }
 
 Bounded<kMaxCoordinates, kMaxJoints> input_matrix(const Robot& robot)

@@ -3,7 +3,9 @@
 
 #include "planar/mechanism.h"
 
+#include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstdint>
 #include <limits>
 #include <optional>
@@ -186,9 +188,8 @@ struct Robot
   Mechanism mechanism;
   MatrixQ A = {}, A_inverse = {}; ///< with a fixed root's angle as last row and column; so is b
   VectorQ b = {};
-  VectorJ kappa = {}; ///< of every actuator
-  /// B of joint_forces(): rows of θ, columns of joints; the rest 0.
-  Eigen::Matrix<double, kMaxCoordinates, kMaxJoints> B = B.Zero();
+  VectorJ kappa = {};                   ///< of every actuator
+  std::vector<Mechanism::Entry> B = {}; ///< of joint_forces(): all that are not 0, row by row of θ
   /// B⁺ of joint_torques(): rows of joints, columns of θ; the rest 0.
   Eigen::Matrix<double, kMaxJoints, kMaxCoordinates> B_inverse = B_inverse.Zero();
   bool joint_friction = false; ///< whether any motor has a rotor or friction, joint_friction.h
@@ -220,12 +221,36 @@ VectorJ joint_rates(const Robot& robot, const VectorQ& theta_rates);
 /// B τ in the rows of θ: what torques τ do to the links, B = Aᵀ diag(κ).
 VectorQ joint_forces(const Robot& robot, const VectorJ& torque);
 
-/// The largest component of f − B τ, f of length num_q(); not a number if one is not.
-double largest_left(const Robot& robot, const VectorQ& force, const VectorJ& torque);
+/// The largest component of f − B τ; not a number if one is not. force: f by its row, num_q() of them.
+template <typename Force> double largest_left(const Robot& robot, const Force& force, const VectorJ& torque)
+{
+  double largest = 0.0, total = 0.0;
+  auto entry = robot.B.begin();
+  for (int row = 0; row < robot.mechanism.num_q(); ++row)
+  {
+    double left = force(row);
+    for (; entry != robot.B.end() && entry->row == row; ++entry)
+      left -= entry->value * torque(entry->column);
+    largest = std::max(largest, std::abs(left));
+    total += left;
+  }
+  return largest + 0.0 * total; // no comparison sees what is not a number
+}
 
-/// B⁺ f: the torques that give f, if any do; else all rows but a floating root's are met. In the storage of what is
-/// returned zeros follow up to the end of the last block of joints; a copy has none.
-VectorJ joint_torques(const Robot& robot, const VectorQ& force);
+/// B⁺ f: the torques that give f, if any do; else all rows but a floating root's are met. force: f by its row, from θ's
+/// on. In the storage of what is returned zeros follow up to the end of the last block of joints; a copy has none.
+template <typename Force> VectorJ joint_torques(const Robot& robot, const Force& force)
+{
+  VectorJ torque(robot.num_joints());
+  for (int j = 0; j < robot.num_joints(); j += kJointBlock)
+  {
+    JointBlock sum = JointBlock::Zero();
+    for (int c = 0; c < robot.mechanism.num_theta(); ++c)
+      sum += force(c) * robot.B_inverse.block<kJointBlock, 1>(j, c);
+    Eigen::Map<JointBlock>(torque.data() + j) = sum; // the storage goes on to the end of the block
+  }
+  return torque;
+}
 
 /// B: the whole matrix, num_q() × num_joints(); the rows of the base point are zero.
 Bounded<kMaxCoordinates, kMaxJoints> input_matrix(const Robot& robot);

@@ -6,30 +6,6 @@
 namespace torqued
 {
 
-namespace
-{
-
-// the force in the foot's frame
-Eigen::Vector2d in_foot(const FootPose& pose, const Wrench& wrench)
-{
-  return {pose.e.x() * wrench.fx + pose.e.y() * wrench.fz, pose.e.x() * wrench.fz - pose.e.y() * wrench.fx};
-}
-
-} // namespace
-
-GroundReaction ground_reaction(const Robot& robot, const Foot& foot, const FootPose& pose, const Wrench& wrench)
-{
-  GroundReaction reaction{wrench, 0.0, 0.0};
-  const double no_load = kNoLoad * robot.weight();
-  if (std::abs(wrench.fz) < no_load)
-    return reaction;
-  reaction.friction_ratio = std::abs(wrench.fx) / wrench.fz;
-  const Eigen::Vector2d f = in_foot(pose, wrench);
-  if (std::abs(f.y()) >= no_load)
-    reaction.cop = (wrench.moment - foot.ankle_height() * f.x()) / f.y();
-  return reaction;
-}
-
 std::int32_t contact_flags(const Robot& robot, const Foot& foot, const FootPose& pose, Contact contact,
                            const Wrench& wrench)
 {

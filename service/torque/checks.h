@@ -3,6 +3,7 @@
 
 #include "torque/torque_method.h"
 
+#include <cmath>
 #include <cstdint>
 
 namespace torqued
@@ -31,11 +32,24 @@ struct GroundReaction
   double friction_ratio = 0.0; ///< |fx| / fz; 0 without load
 };
 
+/// A foot's force (f_x', f_z') in the foot's frame.
+inline Eigen::Vector2d in_foot(const FootPose& pose, const Wrench& wrench)
+{
+  return {pose.e.x() * wrench.fx + pose.e.y() * wrench.fz, pose.e.x() * wrench.fz - pose.e.y() * wrench.fx};
+}
+
 /// Centre of pressure and friction of a foot.
 ///
 /// The centre of pressure is where the force's line of action meets the line of the sole; with (f_x', f_z') the force
 /// in the foot's frame, x_c = (M − h_p f_x') / f_z'.
-GroundReaction ground_reaction(const Robot& robot, const Foot& foot, const FootPose& pose, const Wrench& wrench);
+inline GroundReaction ground_reaction(const Robot& robot, const Foot& foot, const FootPose& pose, const Wrench& wrench)
+{
+  const double no_load = kNoLoad * robot.weight();
+  const bool loaded = std::abs(wrench.fz) >= no_load;
+  const Eigen::Vector2d f = in_foot(pose, wrench);
+  const double cop = loaded && std::abs(f.y()) >= no_load ? (wrench.moment - foot.ankle_height() * f.x()) / f.y() : 0.0;
+  return {{wrench.fx, wrench.fz, wrench.moment}, cop, loaded ? std::abs(wrench.fx) / wrench.fz : 0.0};
+}
 
 /// Whether a foot in contact slips (|fx| > μ fz), lifts (fz < 0) or tips: flag bits.
 ///

@@ -141,9 +141,10 @@ Result<BaseMotion> base_motion(const Robot& robot, const DesiredState& desired, 
   // the resting point at x = 0, the point of the sole below the ankle, or the contact point, at z = 0, and at rest
   const Side side = resting_side(robot, support);
   const StandingFoot& standing = feet[static_cast<std::size_t>(side)];
-  now.base = -standing.point;
-  if (const Foot& foot = robot.foot(side); support.of(side) == Contact::sole)
-    now.base.y() += foot.ankle_height() * heading(robot.link(foot.link), now).x();
+  const Foot& foot = robot.foot(side);
+  const double height =
+      support.of(side) == Contact::sole ? foot.ankle_height() * heading(robot.link(foot.link), now).x() : 0.0;
+  now.base = Eigen::Vector2d(0.0, height) - standing.point;
   return BaseMotion{-standing.velocity, -standing.acceleration};
 }
 

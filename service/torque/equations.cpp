@@ -36,14 +36,11 @@ Result<SupportEquations> support_equations(const Robot& robot, const DesiredStat
   const BaseMotion& base = std::get<BaseMotion>(completed);
   equations.base_acceleration = base.acceleration;
 
-  equations.d(2) = inverse_dynamics(mechanism, now, equations.turn, base.acceleration, equations.r);
-  equations.d.head<2>() = equations.r.tail<2>();
+  equations.d = inverse_dynamics(mechanism, now, equations.turn, base.acceleration, equations.r);
   if (robot.joint_friction)
     equations.r.head(mechanism.num_theta()) += joint_forces(robot, joint_friction(robot, desired.v, desired.a));
 
-  equations.contact_speed = 0.0;
-  equations.contact_residual = 0.0;
-  equations.sole_tilt = 0.0;
+  double speed = 0.0, residual = 0.0, tilt = 0.0;
   for (const Side side : kSides)
   {
     const Contact contact = support.of(side);
@@ -59,38 +56,44 @@ Result<SupportEquations> support_equations(const Robot& robot, const DesiredStat
     {
       largest = std::max(largest, std::abs(x));
     };
-    raise(equations.contact_speed, base.velocity.x() + standing.velocity.x());
-    raise(equations.contact_speed, base.velocity.y() + standing.velocity.y());
-    raise(equations.contact_residual, base.acceleration.x() + standing.acceleration.x());
-    raise(equations.contact_residual, base.acceleration.y() + standing.acceleration.y());
+    raise(speed, base.velocity.x() + standing.velocity.x());
+    raise(speed, base.velocity.y() + standing.velocity.y());
+    raise(residual, base.acceleration.x() + standing.acceleration.x());
+    raise(residual, base.acceleration.y() + standing.acceleration.y());
     if (contact == Contact::sole)
     {
-      raise(equations.sole_tilt, wrapped(desired.q(foot.direction) + robot.link(foot.link).direction_angle));
-      raise(equations.contact_speed, now.rate(foot.direction));
-      raise(equations.contact_residual, equations.turn(foot.direction));
+      raise(tilt, wrapped(desired.q(foot.direction) + robot.link(foot.link).direction_angle));
+      raise(speed, now.rate(foot.direction));
+      raise(residual, equations.turn(foot.direction));
     }
   }
+  equations.contact_speed = speed;
+  equations.contact_residual = residual;
+  equations.sole_tilt = tilt;
   return result;
 }
 
-VectorQ left_for_motors(const Robot& robot, const SupportEquations& equations, const Support& support,
-                        const std::array<Wrench, 2>& ground)
+VectorQ supported(const Robot& robot, const SupportEquations& equations, const Support& support,
+                  const std::array<Wrench, 2>& ground)
 {
-  VectorQ rest = equations.r;
+  VectorQ force(equations.r.size());
+  Eigen::Map<Eigen::Matrix<double, kMaxCoordinates, 1>>(force.data()).setZero(); // a number that the compiler knows
+  Eigen::Vector2d total = Eigen::Vector2d::Zero();
   for (const Side side : kSides)
   {
     if (support.of(side) == Contact::none)
       continue;
     const auto index = static_cast<std::size_t>(side);
     const Foot& foot = robot.feet[index];
-    const Eigen::Vector2d force(ground[index].fx, ground[index].fz);
+    const Eigen::Vector2d f(ground[index].fx, ground[index].fz);
     int i = 0;
     for (const Arm& arm : foot.ankle)
-      robot.mechanism.add_from_direction(arm.direction, -cross(equations.standing[index].arms.col(i++), force), rest);
-    robot.mechanism.add_from_direction(foot.direction, -ground[index].moment, rest);
-    rest.tail<2>() -= force;
+      robot.mechanism.add_from_direction(arm.direction, cross(equations.standing[index].arms.col(i++), f), force);
+    robot.mechanism.add_from_direction(foot.direction, ground[index].moment, force);
+    total += f;
   }
-  return rest;
+  force.tail<2>() = total;
+  return force;
 }
 
 } // namespace torqued

@@ -44,11 +44,11 @@ struct SupportEquations
   double moment_about_origin() const { return d(2) + cross(base(), force()); }
 };
 
-/// r − Jᵀ w: what is left for the motors, length num_q(). Its base rows are 0 if w meets (2).
+/// Jᵀ w: what the ground supplies of r, length num_q(). In the base point's rows it is r if w meets (2).
 ///
 /// ground: w about the ankles, indexed by Side.
-VectorQ left_for_motors(const Robot& robot, const SupportEquations& equations, const Support& support,
-                        const std::array<Wrench, 2>& ground);
+VectorQ supported(const Robot& robot, const SupportEquations& equations, const Support& support,
+                  const std::array<Wrench, 2>& ground);
 
 /// Builds the equations of a desired state. Refuses what complete_motion() refuses.
 Result<SupportEquations> support_equations(const Robot& robot, const DesiredState& desired);

@@ -84,8 +84,8 @@ Result<Reactions> choose(const Robot& robot, const SupportEquations& equations, 
 TorqueSolution::TorqueSolution(const Robot& robot, const SupportEquations& equations, const Support& support,
                                Method used, const WrenchVector& reactions, bool was_clamped, bool was_relaxed)
     : method(used), clamped(was_clamped), relaxed(was_relaxed), w(reactions),
-      ground(about_ankles(equations, support, reactions)), rest(left_for_motors(robot, equations, support, ground)),
-      torque(joint_torques(robot, rest))
+      ground(about_ankles(equations, support, reactions)), from_ground(supported(robot, equations, support, ground)),
+      torque(joint_torques(robot, left_for_motors(equations)))
 {
 }
 

@@ -66,8 +66,17 @@ struct TorqueSolution
   bool clamped, relaxed;        ///< of the Reactions
   WrenchVector w;               ///< in the order of the rows of J, about the contact points
   std::array<Wrench, 2> ground; ///< the same about the ankles, indexed by Side
-  VectorQ rest;                 ///< r − Jᵀ w
+  VectorQ from_ground;          ///< Jᵀ w
   VectorJ torque;               ///< N m, in the actuators' order
+
+  /// r − Jᵀ w, as a function of the row. equations: those that were solved.
+  auto left_for_motors(const SupportEquations& equations) const
+  {
+    return [&r = equations.r, &supplied = from_ground](int row)
+    {
+      return r(row) - supplied(row);
+    };
+  }
 };
 
 /// Chooses w by the method that the support calls for, and computes the torques, equation (3).
@@ -80,9 +89,11 @@ Result<TorqueSolution> solve_torques(const Robot& robot, const SupportEquations&
                                      Method method, const MethodSettings& settings, double residual_tolerance);
 
 /// Largest component of r − B τ − Jᵀ w, N or N m: rounding, unless the motion is under-actuated or τ was clamped.
-inline double dynamics_residual(const Robot& robot, const VectorQ& rest, const VectorJ& torque)
+/// solution: of the equations, whose Jᵀ w is taken; torque: τ.
+inline double dynamics_residual(const Robot& robot, const SupportEquations& equations, const TorqueSolution& solution,
+                                const VectorJ& torque)
 {
-  return largest_left(robot, rest, torque);
+  return largest_left(robot, solution.left_for_motors(equations), torque);
 }
 
 } // namespace torqued

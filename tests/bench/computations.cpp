@@ -98,7 +98,8 @@ void answers(benchmark::State& state, const Walk& walk, Method method)
 // as many as the robot has directions, once per angle by libm: what any computation of this robot begins with
 void sines_and_cosines(benchmark::State& state, const Walk& walk)
 {
-  const int count = walk.robot.mechanism.num_directions();
+  const auto turns = (walk.robot.mechanism.W().array() != 0.0).rowwise().any();
+  const auto count = static_cast<int>(turns.count());
   Cycle states(walk.single);
   std::array<double, 2 * kMaxDirections> e;
   for (auto _ : state)
