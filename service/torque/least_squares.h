@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <array>
 #include <optional>
 #include <type_traits>
 
@@ -29,6 +30,81 @@ struct SumOfSquares
     case 16: return function(std::integral_constant<int, 16>());
     default: return function(std::integral_constant<int, kMaxRows>());
     }
+  }
+};
+
+/// H = L D Lᵀ of three variables, H symmetric and positive definite, L unit lower triangular: without roots, because
+/// one would wait for the other.
+struct Ldlt3
+{
+  double L10, L20, L21;
+  std::array<double, 3> D, per_D; ///< D and one over it
+
+  /// False if some pivot is no larger than this share of its entry of H's diagonal.
+  bool factorize(const Eigen::Matrix3d& H, double least_share)
+  {
+    D[0] = H(0, 0);
+    per_D[0] = 1.0 / D[0];
+    L10 = H(1, 0) * per_D[0];
+    L20 = H(2, 0) * per_D[0];
+    D[1] = H(1, 1) - L10 * H(1, 0);
+    per_D[1] = 1.0 / D[1];
+    const double rest = H(2, 1) - L20 * H(1, 0);
+    L21 = rest * per_D[1];
+    D[2] = H(2, 2) - L20 * H(2, 0) - L21 * rest;
+    per_D[2] = 1.0 / D[2];
+    return D[0] > 0.0 && D[1] > least_share * H(1, 1) && D[2] > least_share * H(2, 2);
+  }
+  /// L⁻¹ x.
+  std::array<double, 3> from_left(const Eigen::Vector3d& x) const
+  {
+    const double z1 = x(1) - L10 * x(0);
+    return {x(0), z1, x(2) - L20 * x(0) - L21 * z1};
+  }
+  /// H⁻¹ x.
+  Eigen::Vector3d solve(const Eigen::Vector3d& x) const
+  {
+    const auto z = from_left(x);
+    const double y2 = z[2] * per_D[2];
+    const double y1 = z[1] * per_D[1] - L21 * y2;
+    return {z[0] * per_D[0] - L10 * y1 - L20 * y2, y1, y2};
+  }
+};
+
+/// H y = −g, of which the solution makes |A y + b|² least: H = AᵀA and g = Aᵀb.
+struct NormalEquations
+{
+  int variables;
+  Eigen::Matrix3d H = Eigen::Matrix3d::Identity(); ///< a variable that is not there has 1 of its own
+  Eigen::Vector3d g = Eigen::Vector3d::Zero();
+
+  /// Of no rows. n: variables, up to three.
+  explicit NormalEquations(int n) : variables(n) { H.diagonal().head(n).setZero(); }
+
+  /// Adds so many rows of A and b, from the first on.
+  template <int rows, typename Columns, typename Column> void add(const Columns& A, const Column& b)
+  {
+    for (int k = 0; k < variables; ++k)
+    {
+      const auto column = A.col(k).template head<rows>();
+      g(k) += column.dot(b.template head<rows>());
+      for (int j = 0; j <= k; ++j)
+        H(j, k) = H(k, j) += column.dot(A.col(j).template head<rows>());
+    }
+  }
+
+  /// y; nothing where that would cost more than some three digits, because a column of A is nearly a sum of those
+  /// before it, or no longer than `rounding` apart from them: least_squares() loses none. Entries beyond the variables
+  /// are 0.
+  std::optional<Eigen::Vector3d> solution(double rounding) const
+  {
+    Ldlt3 factors;
+    if (!factors.factorize(H, 1e-3))
+      return {};
+    for (const double pivot : factors.D)
+      if (!(pivot > rounding * rounding))
+        return {};
+    return factors.solve(-g);
   }
 };
 

@@ -17,30 +17,44 @@ constexpr double kIndependent = 1e-9;
 Result<Reactions> pseudo_inverse(const Robot& robot, const SupportEquations& equations, const Support& support,
                                  const AdmissibleReactions& all, const PseudoInverse& settings)
 {
-  SumOfSquares sum = torque_squares(robot, reaction_torques(robot, equations, support, all), settings.weights);
+  const ReactionTorques torques = reaction_torques(robot, equations, support, all);
 
-  // and λᵀ V λ, λ of w0 + Z y, by the root of V; it has 2 to 4 components
+  // and λᵀ V λ, λ of w0 + Z y, by the root of V: the wrench of the foot that is not fixed, or the forces of both
   const bool leading_sole = support.of(support.leading) == Contact::sole;
   const bool trailing_sole = support.of(support.trailing()) == Contact::sole;
-  std::array<int, 4> of_w{};
-  Eigen::Vector4d root = Eigen::Vector4d::Zero();
-  int count = 0;
-  for (const Side side : kSides)
-    if (const bool fixed = side == support.leading ? leading_sole && !trailing_sole : trailing_sole; !fixed)
-      for (int i = 0; i < wrench_components(support.of(side)); ++i)
-      {
-        of_w[static_cast<std::size_t>(count)] = support.row(side) + i;
-        root(count++) = std::sqrt(settings.reaction_weights(i));
-      }
+  const bool one = leading_sole || trailing_sole;
+  const Side loose = trailing_sole ? support.leading : support.trailing();
+  const int from = one ? support.row(loose) : 0;
+  const bool moment = one && support.of(loose) == Contact::sole;
+  const auto root_of = [&](int i)
+  {
+    const double weight = settings.reaction_weights(i);
+    return weight == 1.0 ? 1.0 : std::sqrt(weight); // a root takes time
+  };
+  const double of_x = root_of(0), of_z = root_of(1);
+  const Eigen::Vector4d root(of_x, of_z, one ? (moment ? root_of(2) : 0.0) : of_x, one ? 0.0 : of_z);
+  const int third = one ? (moment ? from + 2 : from) : 2, fourth = one ? from : 3;
   const auto lambda = [&](const auto& w) -> Eigen::Vector4d
   {
-    return root.cwiseProduct(Eigen::Vector4d(w(of_w[0]), w(of_w[1]), w(of_w[2]), w(of_w[3])));
+    return root.cwiseProduct(Eigen::Vector4d(w(from), w(from + 1), w(third), w(fourth)));
   };
-  sum.b.segment<4>(sum.rows) = lambda(all.w0);
-  for (int k = 0; k < sum.variables; ++k)
-    sum.A.col(k).segment<4>(sum.rows) = lambda(all.Z.col(k));
-  sum.rows += 4;
+  const Eigen::Vector4d b = lambda(all.w0);
+  Eigen::Matrix<double, 4, 3> A;
+  for (int k = 0; k < all.redundancy(); ++k)
+    A.col(k) = lambda(all.Z.col(k));
 
+  if (settings.weights.size() == 0)
+  {
+    NormalEquations normal = least_torque_equations(robot, torques);
+    normal.add<4>(A, b);
+    if (const auto y = normal.solution(0.0))
+      return Reactions{all.at(*y)};
+  }
+  SumOfSquares sum = torque_squares(robot, torques, settings.weights);
+  sum.b.segment<4>(sum.rows) = b;
+  for (int k = 0; k < sum.variables; ++k)
+    sum.A.col(k).segment<4>(sum.rows) = A.col(k);
+  sum.rows += 4;
   const auto y = least_squares(sum, 0.0);
   if (!y)
     return Refusal(Reason::numerical, "the measure of torques and reactions does not tell some reactions apart");
@@ -59,12 +73,18 @@ Result<Reactions> least_torque(const Robot& robot, const SupportEquations& equat
                    "are one condition, not two",
                    apart, kCoincident * robot.leg_length);
 
+  const ReactionTorques torques = reaction_torques(robot, equations, support, all);
+  const double size = weights.size() == 0 ? 1.0 : std::sqrt(weights.trace() / static_cast<double>(weights.rows()));
+  const double independent = kIndependent * robot.leg_length * size;
+  if (weights.size() == 0)
+    if (const auto y = least_torque_equations(robot, torques).solution(independent))
+      return Reactions{all.at(*y)};
+
   // moments in N × leg length, so that the columns compare
   const double unit = all.redundancy() == 3 ? robot.leg_length : 1.0;
-  SumOfSquares sum = torque_squares(robot, reaction_torques(robot, equations, support, all), weights);
+  SumOfSquares sum = torque_squares(robot, torques, weights);
   sum.A.col(sum.variables - 1).head(sum.rows) *= unit;
-  const double size = weights.size() == 0 ? 1.0 : std::sqrt(weights.trace() / static_cast<double>(weights.rows()));
-  auto y = least_squares(sum, kIndependent * robot.leg_length * size);
+  auto y = least_squares(sum, independent);
   if (!y)
     return Refusal(Reason::numerical,
                    "an internal wrench between the feet needs no torque here, as when both legs are straight, parallel "

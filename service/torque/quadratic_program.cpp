@@ -1,5 +1,7 @@
 #include "torque/quadratic_program.h"
 
+#include "torque/least_squares.h"
+
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
@@ -38,7 +40,7 @@ struct Program
   int size; // rows
   Matrix H = Matrix::Identity();
   Vector g = Vector::Zero();
-  double H_size = 0.0;                        // |H|, without what was added
+  double H_squared = 0.0;                     // |H|², without what was added
   std::array<const double*, kMaxVariables> A; // columns, of the rows that were given
   PerRow b, squared;                          // squared: |a_i|²
   RowSet soft;
@@ -60,7 +62,7 @@ struct Program
       for (Eigen::Index i = 0; i < n; ++i)
         H(i, j) = program.H(i, j);
     }
-    H_size = program.H.norm();
+    H_squared = program.H.squaredNorm();
   }
 
   // one number of each row, as an array
@@ -72,7 +74,6 @@ struct Program
   double along(int i, const Vector& y) const { return A[0][i] * y(0) + A[1][i] * y(1) + A[2][i] * y(2); }
   // of row i, as if it were hard
   double violation(int i, const Vector& y) const { return along(i, y) - b[i]; }
-  double length(int i) const { return std::sqrt(squared[i]); }
   // what a violation is measured against; y_squared: |y|²
   double scale_squared(int i, double y_squared) const
   {
@@ -80,29 +81,6 @@ struct Program
   }
   double scale(int i, double y_squared) const { return std::sqrt(scale_squared(i, y_squared)); }
 };
-
-// L of H = L Lᵀ, and one over its diagonal; false if H is not positive definite beyond rounding
-bool factorize(const Matrix& H, Matrix& L, Vector& per_pivot)
-{
-  for (int k = 0; k < 3; ++k)
-  {
-    double pivot = H(k, k);
-    for (int j = 0; j < k; ++j)
-      pivot -= L(k, j) * L(k, j);
-    if (!(pivot > kRounding * H(k, k)))
-      return false;
-    L(k, k) = std::sqrt(pivot);
-    per_pivot(k) = 1.0 / L(k, k);
-    for (int i = k + 1; i < 3; ++i)
-    {
-      double rest = H(i, k);
-      for (int j = 0; j < k; ++j)
-        rest -= L(i, j) * L(k, j);
-      L(i, k) = rest * per_pivot(k);
-    }
-  }
-  return true;
-}
 
 // What solves the program with the rows of a working set as equalities: y, and the rows' multipliers by their places
 // in the set.
@@ -114,17 +92,15 @@ struct Solved
 
 // The program with the rows of a working set as equalities: a_i·y = b_i of a hard row, = b_i + λ_i of a soft one.
 //
-// With H = L Lᵀ it is the least squares of C y − c, the rows of C being Lᵀ and a_iᵀ of the soft rows, c = (−L⁻¹ g,
-// b_i). The hard normals are N = Y R, with Z what is orthogonal to them: y = Y R⁻ᵀ b + Z z meets the hard rows to
-// rounding, however badly H may be conditioned; with three of them H does not matter to y. C Z = Q U, with Q's columns
-// orthogonal and U unit upper triangular, by modified Gram-Schmidt.
+// With H = L D Lᵀ it is the least squares of C y − c, weighted by D and 1, the rows of C being Lᵀ and a_iᵀ of the soft
+// rows, c = (−D⁻¹ L⁻¹ g, b_i). The hard normals are N = Y R, Y's columns orthogonal and R unit upper triangular, with Z
+// what is orthogonal to them: y = Y |Y|⁻² R⁻ᵀ b + Z z meets the hard rows to rounding, however badly H may be
+// conditioned; with three of them H does not matter to y. C Z = Q U, with Q's columns orthogonal and U unit upper
+// triangular, by modified Gram-Schmidt.
 class Equalities
 {
 public:
-  explicit Equalities(const Program& program, const Matrix& L, const Vector& per_pivot_of_L)
-      : program_(program), L_(L), per_pivot_of_L_(per_pivot_of_L)
-  {
-  }
+  Equalities(const Program& program, const Ldlt3& factors) : program_(program), factors_(factors) {}
 
   void set(const RowSet& active)
   {
@@ -138,20 +114,19 @@ public:
     for_each(active & program_.soft, add);
 
     // twice, because the first time leaves what the cancellation in it amounts to
-    R_.setZero();
     for (int k = 0; k < hard_; ++k)
     {
       Vector rest = program_.a(row_[k]);
+      R_.col(k).setZero();
       for (int times = 0; times < 2; ++times)
         for (int j = 0; j < k; ++j)
         {
-          const double share = Y_.col(j).dot(rest);
+          const double share = Y_.col(j).dot(rest) * per_Y_squared_[j];
           R_(j, k) += share;
           rest -= share * Y_.col(j);
         }
-      R_(k, k) = rest.norm();
-      per_pivot_[k] = 1.0 / R_(k, k);
-      Y_.col(k) = rest * per_pivot_[k];
+      Y_.col(k) = rest;
+      per_Y_squared_[k] = 1.0 / rest.squaredNorm();
     }
     free_ = 3 - hard_;
     if (rows_ == 0)
@@ -164,7 +139,7 @@ public:
       const Vector y = Y_.col(0);
       y.cwiseAbs().minCoeff(&least);
       Z_.col(0) = y.cross(Vector::Unit(least)).normalized();
-      Z_.col(1) = y.cross(Z_.col(0));
+      Z_.col(1) = y.cross(Z_.col(0)).normalized();
     }
     else if (hard_ == 2)
       Z_.col(0) = Y_.col(0).cross(Y_.col(1)).normalized();
@@ -195,26 +170,25 @@ public:
     Vector& y = solved.y;
     if (rows_ == 0)
     {
-      y = -from_right(from_left(g));
+      y = factors_.solve(-g);
       return;
     }
 
-    // Y R⁻ᵀ b, and c − C y of that
+    // Y |Y|⁻² R⁻ᵀ b, and c − C y of that
     y.setZero();
     std::array<double, 3> along;
     for (int k = 0; k < hard_; ++k)
     {
-      double rest = bound(k);
+      along[k] = bound(k);
       for (int j = 0; j < k; ++j)
-        rest -= R_(j, k) * along[j];
-      along[k] = rest * per_pivot_[k];
-      y += along[k] * Y_.col(k);
+        along[k] -= R_(j, k) * along[j];
+      y += along[k] * per_Y_squared_[k] * Y_.col(k);
     }
     Column c;
-    const Vector of_g = from_left(g);
+    const auto of_g = factors_.from_left(g);
     to_left(y, c);
-    for (int i = 0; i < 3; ++i)
-      c[i] = -of_g(i) - c[i];
+    for (std::size_t i = 0; i < 3; ++i)
+      c[i] = -of_g[i] * factors_.per_D[i] - c[i];
     for (int i = hard_; i < rows_; ++i)
       c[3 + i - hard_] = bound(i) - program_.along(row_[i], y);
 
@@ -243,7 +217,12 @@ public:
     const Vector a = program_.a(p);
     double closing = program_.soft[p] ? 1.0 : 0.0;
     if (rows_ == 0)
-      return closing + from_left(a).squaredNorm();
+    {
+      const auto z = factors_.from_left(a);
+      for (std::size_t i = 0; i < 3; ++i)
+        closing += z[i] * z[i] * factors_.per_D[i];
+      return closing;
+    }
 
     std::array<double, 3> free;
     double free_squared = 0.0;
@@ -256,10 +235,10 @@ public:
     // what the hard rows can take over of the normal; what is left of it beyond rounding is independent of them
     std::fill_n(change.begin(), rows_, 0.0);
     take_over(a, change);
-    double scale = program_.length(p);
+    double scale_squared = program_.squared[p];
     for (int k = 0; k < hard_; ++k)
-      scale += std::abs(change[k]) * program_.length(row_[k]);
-    if (free_squared > kRounding * kRounding * scale * scale)
+      scale_squared += change[k] * change[k] * program_.squared[row_[k]];
+    if (free_squared > kRounding * kRounding * scale_squared)
     {
       Solved solved;
       minimum(a, nullptr, solved);
@@ -278,32 +257,18 @@ public:
 private:
   using Column = std::array<double, 3 + kMaxRows>;
 
-  // Lᵀ x, L⁻¹ x and L⁻ᵀ x
+  // Lᵀ x
   void to_left(const Vector& x, Column& z) const
   {
-    z[0] = L_(0, 0) * x(0) + L_(1, 0) * x(1) + L_(2, 0) * x(2);
-    z[1] = L_(1, 1) * x(1) + L_(2, 1) * x(2);
-    z[2] = L_(2, 2) * x(2);
+    z[0] = x(0) + factors_.L10 * x(1) + factors_.L20 * x(2);
+    z[1] = x(1) + factors_.L21 * x(2);
+    z[2] = x(2);
   }
-  Vector from_left(const Vector& x) const
-  {
-    Vector z;
-    z(0) = x(0) * per_pivot_of_L_(0);
-    z(1) = (x(1) - L_(1, 0) * z(0)) * per_pivot_of_L_(1);
-    z(2) = (x(2) - L_(2, 0) * z(0) - L_(2, 1) * z(1)) * per_pivot_of_L_(2);
-    return z;
-  }
-  Vector from_right(const Vector& x) const
-  {
-    Vector z;
-    z(2) = x(2) * per_pivot_of_L_(2);
-    z(1) = (x(1) - L_(2, 1) * z(2)) * per_pivot_of_L_(1);
-    z(0) = (x(0) - L_(1, 0) * z(1) - L_(2, 0) * z(2)) * per_pivot_of_L_(0);
-    return z;
-  }
+  // weighted by D and 1
   double dot(const Column& x, const Column& y) const
   {
-    double sum = x[0] * y[0] + x[1] * y[1] + x[2] * y[2];
+    const auto& D = factors_.D;
+    double sum = D[0] * x[0] * y[0] + D[1] * x[1] * y[1] + D[2] * x[2] * y[2];
     for (int i = 3; i < 3 + rows_ - hard_; ++i)
       sum += x[i] * y[i];
     return sum;
@@ -321,49 +286,52 @@ private:
   {
     for (int k = hard_ - 1; k >= 0; --k)
     {
-      double rest = -Y_.col(k).dot(gradient);
+      lambda[k] = -Y_.col(k).dot(gradient) * per_Y_squared_[k];
       for (int j = k + 1; j < hard_; ++j)
-        rest -= R_(k, j) * lambda[j];
-      lambda[k] = rest * per_pivot_[k];
+        lambda[k] -= R_(k, j) * lambda[j];
     }
   }
 
   const Program& program_;
-  const Matrix& L_; // of H = L Lᵀ
-  const Vector& per_pivot_of_L_;
+  const Ldlt3& factors_;
   std::array<int, kMaxRows> row_; // hard ones first
   int rows_ = 0, hard_ = 0, free_ = 3;
   Matrix Y_, R_, Z_, U_;
   std::array<Column, 3> Q_;
-  std::array<double, 3> per_pivot_;   // 1 / of R's diagonal
-  std::array<double, 3> per_squared_; // 1 / |q|² of Q's columns
+  std::array<double, 3> per_Y_squared_; // 1 / |y|² of Y's columns
+  std::array<double, 3> per_squared_;   // 1 / |q|² of Q's columns
 };
 
-// of these rows, the only ones with multipliers
-KktResiduals residuals(const Program& program, const Vector& y, const PerRow& lambda, const RowSet& rows)
+// The KKT residuals of these rows, the only ones with multipliers, as squares: see(residual, numerator, denominator),
+// because roots and quotients take longer than all else here. Each residual is the largest of those that are seen.
+template <typename See>
+void residuals(const Program& program, const Vector& y, const PerRow& lambda, const RowSet& rows, const See& see)
 {
-  const double y_size = y.norm();
+  const auto square = [](double x)
+  {
+    return x * x;
+  };
+  const double y_squared = y.squaredNorm();
   Vector forces = program.H * y + program.g;
-  double force_size = std::max({program.H_size * y_size, program.g.norm(), 1.0});
+  double force_squared = std::max({program.H_squared * y_squared, program.g.squaredNorm(), 1.0});
   double largest = 1.0;
   for_each(rows,
            [&](int i)
            {
-             largest = std::max(largest, std::abs(lambda[i]));
+             largest = std::max(largest, square(lambda[i]));
              forces += lambda[i] * program.a(i);
-             force_size = std::max(force_size, std::abs(lambda[i]) * program.length(i));
+             force_squared = std::max(force_squared, square(lambda[i]) * program.squared[i]);
            });
-  KktResiduals worst{forces.norm() / force_size, 0.0, 0.0, 0.0};
+  see(&KktResiduals::stationarity, forces.squaredNorm(), force_squared);
   for_each(rows,
            [&](int i)
            {
              const double lacks = program.violation(i, y) - (program.soft[i] ? lambda[i] : 0.0);
-             const double violation = lacks / program.scale(i, y.squaredNorm());
-             worst.violation = std::max(worst.violation, violation);
-             worst.sign = std::max(worst.sign, -lambda[i] / largest);
-             worst.complementarity = std::max(worst.complementarity, lambda[i] / largest * std::abs(violation));
+             const double scale = program.scale_squared(i, y_squared);
+             see(&KktResiduals::violation, square(std::max(lacks, 0.0)), scale);
+             see(&KktResiduals::sign, square(std::min(lambda[i], 0.0)), largest);
+             see(&KktResiduals::complementarity, square(std::max(lambda[i], 0.0)) * square(lacks), largest * scale);
            });
-  return worst;
 }
 
 RowSet all_rows(const Program& program)
@@ -373,9 +341,11 @@ RowSet all_rows(const Program& program)
 
 bool is_optimal(const Program& program, const Vector& y, const PerRow& lambda, const RowSet& rows)
 {
-  // what is not a number is in the sum, though no comparison may have seen it
-  const KktResiduals worst = residuals(program, y, lambda, rows);
-  return worst.largest() <= kKktTolerance && std::isfinite(worst.stationarity + y.sum());
+  bool within = true;
+  residuals(program, y, lambda, rows,
+            [&](double KktResiduals::*, double numerator, double denominator)
+            { within &= numerator <= kKktTolerance * kKktTolerance * denominator && std::isfinite(denominator); });
+  return within && std::isfinite(y.sum());
 }
 
 // The dual active-set method: the working set, and the y and λ that solve the program with its rows as equalities.
@@ -385,14 +355,14 @@ public:
   /// Rows of the program that contradict one another by no more than rounding are relaxed by as much.
   /// active: a working set to begin with, as another run has left it.
   explicit DualMethod(Program& program, const RowSet& active = {})
-      : program_(program), active_(active), equalities_(program, L_, per_pivot_of_L_)
+      : program_(program), active_(active), equalities_(program, factors_)
   {
   }
 
   QuadraticProgramStatus run()
   {
     using enum QuadraticProgramStatus;
-    if (!is_finite() || !factorize(program_.H, L_, per_pivot_of_L_))
+    if (!is_finite() || !factors_.factorize(program_.H, kRounding))
       return not_solved;
     std::fill_n(lambda_.begin(), program_.size, 0.0);
     equalities_.set(active_);
@@ -439,7 +409,7 @@ private:
       const double closing = equalities_.towards(p, change);
       const double lacks = std::max(0.0, program_.violation(p, y_) - soft * lambda_p);
       const double to_row = closing > 0.0 ? lacks / closing : kInfinity;
-      const Block block = first_block(change, program_.length(p));
+      const Block block = first_block(change, p);
 
       if (to_row == kInfinity)
       {
@@ -491,33 +461,38 @@ private:
   }
 
   // Of several rows the one that falls fastest, so that what stays in the working set is as independent as can be.
-  Block first_block(const PerRow& change, double length_p) const
+  // p: whose multiplier grows meanwhile.
+  Block first_block(const PerRow& change, int p) const
   {
-    const auto falls = [&](int place)
+    // by squares, as in residuals()
+    const auto moves = [&](int place)
     {
-      return -change[place] * program_.length(equalities_.row(place));
+      return change[place] * change[place] * program_.squared[equalities_.row(place)];
     };
-    double least = length_p, largest = 0.0;
+    double least = program_.squared[p], largest = 0.0;
     for (int k = 0; k < equalities_.size(); ++k)
     {
-      least = std::max(least, std::abs(falls(k)));
+      least = std::max(least, moves(k));
       largest = std::max(largest, lambda_[equalities_.row(k)]);
     }
-    least *= kRounding;
+    least *= kRounding * kRounding;
+    const auto falls = [&](int place)
+    {
+      return change[place] < 0.0 && moves(place) > least;
+    };
     double t = kInfinity;
     for (int k = 0; k < equalities_.size(); ++k)
-      if (falls(k) > least)
+      if (falls(k))
         t = std::min(t, -lambda_[equalities_.row(k)] / change[k]);
     Block block;
     double fastest = 0.0;
     for (int k = 0; k < equalities_.size(); ++k)
     {
       const int i = equalities_.row(k);
-      if (falls(k) > least && lambda_[i] + change[k] * t <= kRounding * largest &&
-          (block.row < 0 || falls(k) > fastest))
+      if (falls(k) && lambda_[i] + change[k] * t <= kRounding * largest && (block.row < 0 || moves(k) > fastest))
       {
         block = {i, -lambda_[i] / change[k]};
-        fastest = falls(k);
+        fastest = moves(k);
       }
     }
     return block;
@@ -550,16 +525,21 @@ private:
     for (;;)
     {
       solve_equalities(program_.g);
-      double largest = std::max({program_.H_size * y_.norm(), program_.g.norm(), 1.0});
+      // by squares, as in residuals()
+      const auto pull = [&](int i)
+      {
+        return lambda_[i] * lambda_[i] * program_.squared[i];
+      };
+      double largest = std::max({program_.H_squared * y_.squaredNorm(), program_.g.squaredNorm(), 1.0});
       for (int k = 0; k < equalities_.size(); ++k)
-        largest = std::max(largest, std::abs(lambda_[equalities_.row(k)]) * program_.length(equalities_.row(k)));
+        largest = std::max(largest, pull(equalities_.row(k)));
       int worst = -1;
-      double most = kRounding * largest;
+      double most = kRounding * kRounding * largest;
       for (int k = 0; k < equalities_.size(); ++k)
-        if (const int i = equalities_.row(k); - lambda_[i] * program_.length(i) > most)
+        if (const int i = equalities_.row(k); lambda_[i] < 0.0 && pull(i) > most)
         {
           worst = i;
-          most = -lambda_[i] * program_.length(i);
+          most = pull(i);
         }
       if (worst < 0)
         break;
@@ -585,8 +565,7 @@ private:
   }
 
   Program& program_;
-  Matrix L_;
-  Vector per_pivot_of_L_;
+  Ldlt3 factors_;
   RowSet active_;
   Equalities equalities_; // of the working set
   Vector y_;
@@ -623,7 +602,11 @@ KktResiduals kkt_residuals(const QuadraticProgram& program, const BoundedVector<
   PerRow multipliers;
   std::copy_n(lambda.data(), lambda.size(), multipliers.begin());
   const Program padded(program);
-  return residuals(padded, all, multipliers, all_rows(padded));
+  KktResiduals worst{};
+  residuals(padded, all, multipliers, all_rows(padded),
+            [&](double KktResiduals::*residual, double numerator, double denominator)
+            { worst.*residual = std::max(worst.*residual, std::sqrt(numerator / denominator)); });
+  return worst;
 }
 
 QuadraticProgramSolution solve(const QuadraticProgram& asked, const RowSet& start)
@@ -659,7 +642,7 @@ QuadraticProgramSolution least_violation(const Rows& rows, const BoundedVector<k
   {
     // from where it stands, so that its rounding shrinks with the step
     step.H.diagonal().head(n).setConstant(delta);
-    step.H_size = delta * std::sqrt(static_cast<double>(n));
+    step.H_squared = delta * delta * static_cast<double>(n);
     for (int i = 0; i < step.size; ++i)
       step.b[i] = -asked.violation(i, y);
     DualMethod method(step, active);

@@ -22,8 +22,11 @@ AdmissibleReactions admissible_reactions(const Robot& robot, const SupportEquati
 {
   const Eigen::Vector3d& d = equations.d;
   const int components = support.wrench_components();
+  // all of the storage, because a number that the compiler knows is cleared in no time
   AdmissibleReactions all;
-  all.w0 = WrenchVector::Zero(components);
+  all.w0.resize(components);
+  Eigen::Map<Eigen::Matrix<double, 6, 1>>(all.w0.data()).setZero();
+  Eigen::Map<Eigen::Matrix<double, 6, 3>>(all.Z.data()).setZero();
   all.Z.resize(components, 0);
   all.unmet.setZero();
 
@@ -40,16 +43,17 @@ AdmissibleReactions admissible_reactions(const Robot& robot, const SupportEquati
     const int sole_row = support.row(sole);
     const int free_row = support.row(other(sole));
     const int free = wrench_components(support.of(other(sole)));
-    const Eigen::Vector2d lever = equations.foot(sole).ankle - equations.base();
-    all.w0.segment<3>(sole_row) = at_sole(lever, d);
+    const StandingFoot& standing = equations.standing[static_cast<std::size_t>(sole)];
+    const StandingFoot& free_foot = equations.standing[static_cast<std::size_t>(other(sole))];
+    all.w0.segment<3>(sole_row) = at_sole(standing.ankle, d);
     if (free == 0)
       return all;
 
     // a force at the other foot, then a moment, and what takes them back
-    all.Z.setZero(components, free);
-    all.Z.block(free_row, 0, free, free).setIdentity();
-    const Eigen::Vector2d between =
-        equations.foot(other(sole)).point(support.of(other(sole))) - equations.foot(sole).ankle;
+    all.Z.resize(components, free);
+    for (int i = 0; i < free; ++i)
+      all.Z(free_row + i, i) = 1.0;
+    const Eigen::Vector2d between = free_foot.point - standing.ankle;
     all.Z.block<3, 2>(sole_row, 0) << -1.0, 0.0, 0.0, -1.0, between.y(), -between.x();
     if (free == 3)
       all.Z(sole_row + 2, 2) = -1.0;
@@ -93,12 +97,12 @@ AdmissibleReactions admissible_reactions(const Robot& robot, const SupportEquati
 ReactionTorques reaction_torques(const Robot& robot, const SupportEquations& equations, const Support& support,
                                  const AdmissibleReactions& all)
 {
-  // what w0, and each y, takes off each motor: B⁺ Wᵀ of the moments of the feet's wrenches about the directions of
-  // their legs
+  // what w0, and each y, gives each motor: −B⁺ Wᵀ of the moments of the feet's wrenches about the directions of their
+  // legs
   using Columns = Eigen::Vector4d;
   const int rows = (robot.num_joints() + kJointBlock - 1) / kJointBlock * kJointBlock;
-  std::array<Columns, kMaxJoints> taken;
-  std::fill_n(taken.begin(), rows, Columns::Zero());
+  std::array<Columns, kMaxJoints> given;
+  std::fill_n(given.begin(), rows, Columns::Zero());
   for (const Side side : kSides)
   {
     const Contact contact = support.of(side);
@@ -125,20 +129,22 @@ ReactionTorques reaction_torques(const Robot& robot, const SupportEquations& equ
       moments[i] = moment_at(standing.arms.col(static_cast<int>(i)));
     moments[arms] = contact == Contact::sole ? component(row + 2) : moment_at(standing.point - standing.ankle);
     for (const Foot::TorqueShare& share : robot.foot(side).torque_shares)
-      taken[static_cast<std::size_t>(share.joint)] += share.size * moments[static_cast<std::size_t>(share.moment)];
+      given[static_cast<std::size_t>(share.joint)] -= share.size * moments[static_cast<std::size_t>(share.moment)];
   }
 
-  // τ0 and T, two joints at a time
+  // τ0 and T, two joints at a time, and three columns, whatever their number: the storage goes on
   const VectorJ without = joint_torques(robot, equations.r);
   ReactionTorques found;
   found.T.resize(kMaxJoints, all.redundancy());
+  Eigen::Map<Eigen::Matrix<double, kMaxJoints, 3>> T(found.T.data());
   for (int j = 0; j < rows; j += 2)
   {
-    const Columns& one = taken[static_cast<std::size_t>(j)];
-    const Columns& next = taken[static_cast<std::size_t>(j + 1)];
-    found.tau0.segment<2>(j) = Eigen::Map<const Eigen::Vector2d>(without.data() + j) - Eigen::Vector2d(one(0), next(0));
-    for (int k = 0; k < all.redundancy(); ++k)
-      found.T.block<2, 1>(j, k) = -Eigen::Vector2d(one(1 + k), next(1 + k));
+    const Columns& one = given[static_cast<std::size_t>(j)];
+    const Columns& next = given[static_cast<std::size_t>(j + 1)];
+    found.tau0.segment<2>(j) = Eigen::Map<const Eigen::Vector2d>(without.data() + j) + Eigen::Vector2d(one(0), next(0));
+    T.block<2, 1>(j, 0) = Eigen::Vector2d(one(1), next(1));
+    T.block<2, 1>(j, 1) = Eigen::Vector2d(one(2), next(2));
+    T.block<2, 1>(j, 2) = Eigen::Vector2d(one(3), next(3));
   }
   return found;
 }
@@ -167,6 +173,16 @@ SumOfSquares torque_squares(const Robot& robot, const ReactionTorques& torques, 
     }
   }
   return sum;
+}
+
+NormalEquations least_torque_equations(const Robot& robot, const ReactionTorques& torques)
+{
+  NormalEquations equations(static_cast<int>(torques.T.cols()));
+  if (robot.num_joints() <= kJointBlock)
+    equations.add<kJointBlock>(torques.T, torques.tau0);
+  else
+    equations.add<kMaxJoints>(torques.T, torques.tau0);
+  return equations;
 }
 
 } // namespace torqued

@@ -33,10 +33,13 @@ struct AdmissibleReactions
   /// w0 + Z y; y may go on.
   WrenchVector at(const Eigen::Vector3d& y) const
   {
-    WrenchVector w = w0;
+    // six components, whatever their number: the storage goes on
+    using Six = Eigen::Matrix<double, 6, 1>;
+    WrenchVector w(w0.size());
+    Six sum = Eigen::Map<const Six>(w0.data());
     for (int k = 0; k < Z.cols(); ++k)
-      for (int c = 0; c < w.size(); ++c)
-        w(c) += y(k) * Z(c, k);
+      sum += y(k) * Eigen::Map<const Six>(Z.data() + k * Z.rows());
+    Eigen::Map<Six>(w.data()) = sum;
     return w;
   }
   /// Rank of G: 3; 2 on a single heel or toe, or two at one point; 0 in flight.
@@ -62,5 +65,8 @@ using JointWeights = Bounded<kMaxJoints, kMaxJoints>;
 
 /// τᵀ W τ of τ = τ0 + T y: with W = Uᵀ U it is |U T y + U τ0|².
 SumOfSquares torque_squares(const Robot& robot, const ReactionTorques& torques, const JointWeights& weights);
+
+/// The normal equations of the least τᵀ τ.
+NormalEquations least_torque_equations(const Robot& robot, const ReactionTorques& torques);
 
 } // namespace torqued
