@@ -27,25 +27,139 @@ constexpr std::array<Rank, 3> kRanks{Rank::contact, Rank::torque, Rank::window};
 // power of two, so that nothing is lost when rows are multiplied by it and divided.
 constexpr double kRootOfWindowPrice = 0x1p13;
 
-// Conditions as rows a·y ≤ b, in units in which their entries and those of y are of order 1: first τ ≤ limit of all
-// motors and −τ ≤ limit of all, by τ = τ0 + T y, where a motor without limit has 0 ≤ 1; then those of contacts, by
-// w = w0 + Z y.
+// What the contacts, and the windows if they are set, ask of the reactions, one after the other, by
+//
+//   add(side, bound, factor, is_window, form)    form(f_x, f_z, moment) ≤ bound, form linear; see ContactCondition
+template <typename Add>
+void for_each_condition(const Robot& robot, const SupportEquations& equations, const Support& support,
+                        const Constrained& settings, const Add& add)
+{
+  const double p = support.phase;
+  const double F_z = equations.force().y();
+  const double per_weight = 1.0 / robot.weight();
+  const bool leading_sole = support.of(support.leading) == Contact::sole;
+  const bool trailing_sole = support.of(support.trailing()) == Contact::sole;
+  for (const Side side : kSides)
+  {
+    const bool leading = side == support.leading;
+    const Foot& foot = robot.foot(side);
+    const bool sole = support.of(side) == Contact::sole && foot.has_extent();
+
+    // the most load that a window leaves this foot
+    std::optional<double> most;
+    if (settings.windows && leading_sole && trailing_sole)
+      most = std::min(1.0, 2.0 * (leading ? p : 1.0 - p)) * F_z;
+    else if (settings.windows && leading_sole != trailing_sole && support.of(side) != Contact::sole)
+      most = (leading ? p : 1.0 - p) * F_z;
+    double least = settings.f_min.value_or(foot.f_min);
+    if (most)
+      least = std::min(least, std::max(*most, 0.0));
+
+    add(side, -least, per_weight, false, [](const auto&, const auto& f_z, const auto&) { return -f_z; });
+    const double mu = foot.friction;
+    add(side, 0.0, per_weight, false, [mu](const auto& f_x, const auto& f_z, const auto&) { return f_x - mu * f_z; });
+    add(side, 0.0, per_weight, false, [mu](const auto& f_x, const auto& f_z, const auto&) { return -f_x - mu * f_z; });
+    if (sole)
+    {
+      // M − h_p f_x' − x f_z': the moment about the point of the sole at x from below the ankle, in the foot's frame
+      const auto moment_at = [h = foot.ankle_height(), e = equations.foot(side).e](double x, double sign)
+      {
+        return [sign, of_x = sign * (x * e.y() - h * e.x()),
+                of_z = -sign * (h * e.y() + x * e.x())](const auto& f_x, const auto& f_z, const auto& moment)
+        {
+          return of_x * f_x + of_z * f_z + sign * moment;
+        };
+      };
+      const double heel = foot.heel_x(), toe = foot.toe_x();
+      const double per_length = per_weight / (toe - heel);
+      add(side, 0.0, per_length, false, moment_at(heel, -1.0));
+      add(side, 0.0, per_length, false, moment_at(toe, 1.0));
+      if (settings.windows && leading_sole != trailing_sole)
+        add(side, 0.0, per_length, true, moment_at(heel + p * (toe - heel), leading ? 1.0 : -1.0));
+    }
+    if (most)
+      add(side, *most, per_weight, true, [](const auto&, const auto& f_z, const auto&) { return f_z; });
+  }
+}
+
+// Conditions as rows a·y ≤ b, in units in which their entries and those of y are of order 1: those of contacts, by
+// w = w0 + Z y, and, once they are asked for, those of motors.
 class Conditions
 {
 public:
   // rows: where they are kept; unit: of y, in N and N m
-  Conditions(Rows& rows, const Robot& robot, const Support& support, const AdmissibleReactions& all,
-             const ReactionTorques& torques, const ContactConditions& contacts, const Eigen::Vector3d& unit)
-      : rows_(rows)
+  Conditions(Rows& rows, const Robot& robot, const SupportEquations& equations, const Support& support,
+             const AdmissibleReactions& all, const Constrained& settings, const Eigen::Vector3d& unit)
+      : rows_(rows), size_(ContactConditions::kMost)
   {
-    const bool limited = std::any_of(robot.actuators.begin(), robot.actuators.end(),
-                                     [](const Actuator& actuator) { return std::isfinite(actuator.torque_limit); });
-    const int motors = limited ? robot.num_joints() : 0;
-    size_ = 2 * motors + contacts.size();
+    // the components of both feet's wrenches, for y and for w0 at once; no moment at a heel or toe
+    using Columns = Eigen::Vector4d;
+    std::array<std::array<Columns, 3>, 2> wrench;
+    for (const Side side : kSides)
+      for (int i = 0; i < 3; ++i)
+      {
+        const int c = support.row(side) + i;
+        const bool exists = i < wrench_components(support.of(side));
+        const auto of_y = [&](int k)
+        {
+          return exists && k < all.redundancy() ? unit(k) * all.Z(c, k) : 0.0;
+        };
+        wrench[static_cast<std::size_t>(side)][static_cast<std::size_t>(i)] =
+            Columns(of_y(0), of_y(1), of_y(2), exists ? -all.w0(c) : 0.0);
+      }
+
+    // always as many rows, of which the last may ask nothing: the compiler then knows where each entry is
     rows_.A.resize(size_, all.redundancy());
     rows_.b.resize(size_);
-    add_motors(robot, motors, torques, unit);
-    add_contacts(2 * motors, support, all, contacts, unit);
+    Eigen::Map<Eigen::Matrix<double, ContactConditions::kMost, 3>> A(rows_.A.data());
+    int row = 0;
+    const auto write = [&](const Columns& a, double bound, Rank rank)
+    {
+      for (int k = 0; k < 3; ++k)
+        A(row, k) = a(k);
+      rows_.b(row) = bound + a(3);
+      rank_[static_cast<std::size_t>(row++)] = rank;
+    };
+    for_each_condition(robot, equations, support, settings,
+                       [&](Side side, double bound, double factor, bool is_window, const auto& form)
+                       {
+                         const auto& [f_x, f_z, moment] = wrench[static_cast<std::size_t>(side)];
+                         write(factor * form(f_x, f_z, moment), factor * bound,
+                               is_window ? Rank::window : Rank::contact);
+                       });
+    while (row < size_)
+      write(Columns::Zero(), 1.0, Rank::contact);
+  }
+
+  // τ ≤ limit of all motors and −τ ≤ limit of all, by τ = τ0 + T y, where a motor without limit has 0 ≤ 1; nothing
+  // where none has one
+  void add_motors(const Robot& robot, const ReactionTorques& torques, const Eigen::Vector3d& unit)
+  {
+    if (std::none_of(robot.actuators.begin(), robot.actuators.end(),
+                     [](const Actuator& actuator) { return std::isfinite(actuator.torque_limit); }))
+      return;
+    // one over what is much of a motor's torque, and its limit over that; a motor with next to no limit would otherwise
+    // outweigh all others
+    const int motors = robot.num_joints();
+    VectorJ factor(motors), limit(motors);
+    const double least_scale = 1e-3 * robot.weight() * robot.leg_length;
+    for (int j = 0; j < motors; ++j)
+    {
+      const double torque_limit = robot.actuators[static_cast<std::size_t>(j)].torque_limit;
+      factor(j) = 1.0 / std::max(torque_limit, least_scale);
+      limit(j) = std::isfinite(torque_limit) ? factor(j) * torque_limit : 1.0;
+    }
+    const VectorJ tau0 = factor.cwiseProduct(torques.tau0.head(motors));
+    rows_.A.conservativeResize(size_ + 2 * motors, Eigen::NoChange);
+    rows_.b.conservativeResize(size_ + 2 * motors);
+    for (const double sign : {1.0, -1.0})
+    {
+      for (int k = 0; k < rows_.A.cols(); ++k)
+        rows_.A.col(k).segment(size_, motors) = sign * unit(k) * factor.cwiseProduct(torques.T.col(k).head(motors));
+      rows_.b.segment(size_, motors) = limit - sign * tau0;
+      std::fill_n(rank_.begin() + size_, motors, Rank::torque);
+      size_ += motors;
+    }
   }
 
   // rows of this rank soft, those that give way to it left out
@@ -100,84 +214,55 @@ public:
   }
 
 private:
+  static_assert(ContactConditions::kMost + 2 * kMaxJoints <= kMaxRows);
   Rank rank(int i) const { return rank_[static_cast<std::size_t>(i)]; }
-
-  // In whole blocks: what is written beyond the motors is written again by what follows, or is room that is left.
-  static_assert(ContactConditions::kMost + 2 * kMaxJoints + kJointBlock <= kMaxRows);
-  void add_motors(const Robot& robot, int motors, const ReactionTorques& torques, const Eigen::Vector3d& unit)
-  {
-    // one over what is much of a motor's torque, and its limit over that; a motor with next to no limit would otherwise
-    // outweigh all others
-    Eigen::Matrix<double, kMaxJoints, 1> factor, limit;
-    const double least_scale = 1e-3 * robot.weight() * robot.leg_length;
-    for (int j = 0; j < motors; ++j)
-    {
-      const double torque_limit = robot.actuators[static_cast<std::size_t>(j)].torque_limit;
-      factor(j) = 1.0 / std::max(torque_limit, least_scale);
-      limit(j) = std::isfinite(torque_limit) ? factor(j) * torque_limit : 1.0;
-    }
-    const auto write = [motors](double* column, const auto& entries)
-    {
-      for (int j = 0; j < motors; j += kJointBlock)
-        Eigen::Map<JointBlock>(column + j) = entries(1.0, j);
-      for (int j = 0; j < motors; j += kJointBlock)
-        Eigen::Map<JointBlock>(column + motors + j) = entries(-1.0, j);
-    };
-    for (int k = 0; k < rows_.A.cols(); ++k)
-      write(rows_.A.col(k).data(),
-            [&](double sign, int j) -> JointBlock {
-              return sign * unit(k) *
-                     factor.segment<kJointBlock>(j).cwiseProduct(torques.T.block<kJointBlock, 1>(j, k));
-            });
-    write(rows_.b.data(),
-          [&](double sign, int j) -> JointBlock
-          {
-            return limit.segment<kJointBlock>(j) -
-                   sign * factor.segment<kJointBlock>(j).cwiseProduct(torques.tau0.segment<kJointBlock>(j));
-          });
-    std::fill_n(rank_.begin(), 2 * motors, Rank::torque);
-  }
-
-  void add_contacts(int row, const Support& support, const AdmissibleReactions& all, const ContactConditions& contacts,
-                    const Eigen::Vector3d& unit)
-  {
-    // the components of both feet's wrenches, for y and for w0 at once; no moment at a heel or toe
-    using Columns = Eigen::Vector4d;
-    std::array<std::array<Columns, 3>, 2> wrench;
-    for (const Side side : kSides)
-      for (int i = 0; i < 3; ++i)
-      {
-        const int c = support.row(side) + i;
-        const bool exists = i < wrench_components(support.of(side));
-        const auto of_y = [&](int k)
-        {
-          return exists && k < all.redundancy() ? unit(k) * all.Z(c, k) : 0.0;
-        };
-        wrench[static_cast<std::size_t>(side)][static_cast<std::size_t>(i)] =
-            Columns(of_y(0), of_y(1), of_y(2), exists ? -all.w0(c) : 0.0);
-      }
-    for (const ContactCondition& contact : contacts)
-    {
-      const auto& [fx, fz, moment] = wrench[static_cast<std::size_t>(contact.side)];
-      const Columns a = contact.factor * (contact.c(0) * fx + contact.c(1) * fz + contact.c(2) * moment);
-      for (int k = 0; k < rows_.A.cols(); ++k)
-        rows_.A(row, k) = a(k);
-      rows_.b(row) = contact.factor * contact.bound + a(3);
-      rank_[static_cast<std::size_t>(row++)] = contact.is_window ? Rank::window : Rank::contact;
-    }
-  }
 
   Rows& rows_;
   int size_;
   std::array<Rank, kMaxRows> rank_;
 };
 
-// c of c·w = M − h_p f_x' − x f_z': the moment about the point of the sole at x from below the ankle, in the foot's
-// frame
-Eigen::Vector3d moment_at(const Foot& foot, const FootPose& pose, double x)
+// H and g of ½ |A y + b|² × per_scale, the unit of y in it. A: one column for each entry of y
+template <int rows, typename Columns, typename Column>
+void set_objective(const Columns& A, const Column& b, const Eigen::Vector3d& unit, double per_scale,
+                   QuadraticProgram& program)
 {
-  const double h = foot.ankle_height();
-  return {-h * pose.e.x() + x * pose.e.y(), -h * pose.e.y() - x * pose.e.x(), 1.0};
+  const int n = static_cast<int>(program.g.size());
+  for (int k = 0; k < n; ++k)
+  {
+    const auto column = A.col(k).template head<rows>();
+    const double scale = unit(k) * per_scale;
+    program.g(k) = column.dot(b.template head<rows>()) * scale;
+    for (int j = 0; j <= k; ++j)
+      program.H(j, k) = program.H(k, j) = column.dot(A.col(j).template head<rows>()) * unit(j) * scale;
+  }
+}
+
+// y in N and N m; 0 beyond the program's variables
+Eigen::Vector3d in_units(const QuadraticProgramSolution& solution, const Eigen::Vector3d& unit)
+{
+  Eigen::Vector3d y = Eigen::Vector3d::Zero();
+  for (int k = 0; k < 3; ++k)
+    if (k < solution.y.size())
+      y(k) = unit(k) * solution.y(k);
+  return y;
+}
+
+bool within_limits(const Robot& robot, const ReactionTorques& torques, const Eigen::Vector3d& y)
+{
+  Eigen::Matrix<double, kMaxJoints, 1> torque;
+  for (int j = 0; j < robot.num_joints(); j += kJointBlock)
+  {
+    JointBlock sum = torques.tau0.segment<kJointBlock>(j);
+    for (int k = 0; k < torques.T.cols(); ++k)
+      sum += y(k) * torques.T.col(k).segment<kJointBlock>(j);
+    torque.segment<kJointBlock>(j) = sum;
+  }
+  bool within = true;
+  const double* tau = torque.data();
+  for (const Actuator& actuator : robot.actuators)
+    within &= std::abs(*tau++) <= actuator.torque_limit;
+  return within;
 }
 
 // adds ½ weight Σ_feet (L² |f|² + M²) of the reactions w = w0 + Z y to the objective; unit: of y
@@ -202,23 +287,18 @@ void add_reactions(const Robot& robot, const Support& support, const AdmissibleR
 // whether no direction of y counts next to nothing against the others
 bool tells_apart(const Bounded<3, 3>& H)
 {
-  // pivots of H = L D Lᵀ
-  Eigen::Matrix3d rest = Eigen::Matrix3d::Identity();
+  // the pivots of H = L D Lᵀ, as quotients of the leading minors
+  const double least = 1e-11 * H.diagonal().maxCoeff();
   const int n = static_cast<int>(H.cols());
-  double largest = 0.0, least = std::numeric_limits<double>::infinity();
-  for (int k = 0; k < n; ++k)
-    for (int j = 0; j < n; ++j)
-      rest(j, k) = H(j, k);
-  for (int k = 0; k < n; ++k)
-  {
-    const double pivot = rest(k, k);
-    largest = std::max(largest, H(k, k));
-    least = std::min(least, pivot);
-    for (int i = k + 1; i < n; ++i)
-      for (int j = k + 1; j < n; ++j)
-        rest(i, j) -= rest(i, k) * rest(k, j) / pivot;
-  }
-  return least > 1e-11 * largest;
+  const double first = H(0, 0);
+  if (n == 1)
+    return first > least;
+  const double second = H(0, 0) * H(1, 1) - H(1, 0) * H(1, 0);
+  if (n == 2)
+    return first > least && second > least * first;
+  const double third = H(2, 2) * second - H(2, 1) * (H(0, 0) * H(2, 1) - H(2, 0) * H(1, 0)) +
+                       H(2, 0) * (H(1, 0) * H(2, 1) - H(2, 0) * H(1, 1));
+  return first > least && second > least * first && third > least * second;
 }
 
 } // namespace
@@ -227,49 +307,12 @@ ContactConditions contact_conditions(const Robot& robot, const SupportEquations&
                                      const Constrained& settings)
 {
   ContactConditions conditions;
-  const double p = support.phase;
-  const double F_z = equations.force().y();
-  const double per_weight = 1.0 / robot.weight();
-  const bool leading_sole = support.of(support.leading) == Contact::sole;
-  const bool trailing_sole = support.of(support.trailing()) == Contact::sole;
-  for (const Side side : kSides)
-  {
-    const bool leading = side == support.leading;
-    const Foot& foot = robot.foot(side);
-    const FootPose& pose = equations.foot(side);
-    const bool sole = support.of(side) == Contact::sole && foot.has_extent();
-    const double per_length = sole ? per_weight / (foot.toe_x() - foot.heel_x()) : 0.0;
-
-    // the most load that a window leaves this foot
-    std::optional<double> most;
-    if (settings.windows && leading_sole && trailing_sole)
-      most = std::min(1.0, 2.0 * (leading ? p : 1.0 - p)) * F_z;
-    else if (settings.windows && leading_sole != trailing_sole && support.of(side) != Contact::sole)
-      most = (leading ? p : 1.0 - p) * F_z;
-    double least = settings.f_min.value_or(foot.f_min);
-    if (most)
-      least = std::min(least, std::max(*most, 0.0));
-
-    const auto add = [&](const Eigen::Vector3d& c, double bound, double factor, bool is_window = false)
-    {
-      conditions.push_back({side, c, bound, factor, is_window});
-    };
-    add({0.0, -1.0, 0.0}, -least, per_weight);
-    add({1.0, -foot.friction, 0.0}, 0.0, per_weight);
-    add({-1.0, -foot.friction, 0.0}, 0.0, per_weight);
-    if (sole)
-    {
-      add(-moment_at(foot, pose, foot.heel_x()), 0.0, per_length);
-      add(moment_at(foot, pose, foot.toe_x()), 0.0, per_length);
-    }
-    if (most)
-      add({0.0, 1.0, 0.0}, *most, per_weight, true);
-    if (settings.windows && sole && leading_sole != trailing_sole)
-    {
-      const Eigen::Vector3d moment = moment_at(foot, pose, foot.heel_x() + p * (foot.toe_x() - foot.heel_x()));
-      add(leading ? moment : -moment, 0.0, per_length, true);
-    }
-  }
+  const Eigen::Matrix3d unit = Eigen::Matrix3d::Identity();
+  for_each_condition(
+      robot, equations, support, settings,
+      [&](Side side, double bound, double factor, bool is_window, const auto& form) {
+        conditions.push_back({side, form(unit.col(0), unit.col(1), unit.col(2)), bound, factor, is_window});
+      });
   return conditions;
 }
 
@@ -283,30 +326,30 @@ Result<Reactions> constrained(const Robot& robot, const SupportEquations& equati
   Eigen::Vector3d unit = Eigen::Vector3d::Constant(robot.weight());
   if (n == 3)
     unit(2) *= robot.leg_length;
-  const ContactConditions contacts = contact_conditions(robot, equations, support, settings);
   QuadraticProgram program;
-  Conditions conditions(program.rows, robot, support, all, torques, contacts, unit);
+  Conditions conditions(program.rows, robot, equations, support, all, settings, unit);
 
   // objective, over its value for a torque of weight × leg length at every joint
   const double size = robot.weight() * robot.leg_length;
   const double mean_weight =
       settings.weights.size() == 0 ? 1.0 : settings.weights.trace() / static_cast<double>(robot.num_joints());
   const double per_scale = 1.0 / (mean_weight * size * size);
-  const SumOfSquares sum = torque_squares(robot, torques, settings.weights);
   program.H.resize(n, n);
   program.g.resize(n);
-  sum.with_rows(
-      [&](auto rows)
-      {
-        for (int k = 0; k < n; ++k)
-        {
-          const auto column = sum.A.col(k).template head<rows>();
-          program.g(k) = column.dot(sum.b.head<rows>()) * unit(k) * per_scale;
-          for (int j = 0; j <= k; ++j)
-            program.H(j, k) = program.H(k, j) =
-                column.dot(sum.A.col(j).template head<rows>()) * unit(j) * unit(k) * per_scale;
-        }
-      });
+  const auto set = [&](const auto& A, const auto& b)
+  {
+    if (robot.num_joints() <= kJointBlock)
+      set_objective<kJointBlock>(A, b, unit, per_scale, program);
+    else
+      set_objective<kMaxJoints>(A, b, unit, per_scale, program);
+  };
+  if (settings.weights.size() == 0)
+    set(torques.T, torques.tau0);
+  else
+  {
+    const SumOfSquares sum = torque_squares(robot, torques, settings.weights);
+    set(sum.A, sum.b);
+  }
   if (const double k = settings.reference_weight; k > 0.0)
   {
     const Result<Reactions> reference = zmp_transition(robot, equations, support);
@@ -317,7 +360,16 @@ Result<Reactions> constrained(const Robot& robot, const SupportEquations& equati
   if (!tells_apart(program.H))
     add_reactions(robot, support, all, all.w0, unit, 1e-9 / (size * size), program);
 
+  // motors take part only where one of them would be beyond its limit without it; mostly none is
   QuadraticProgramSolution solution = solve(program);
+  if (solution.status == QuadraticProgramStatus::infeasible)
+    conditions.add_motors(robot, torques, unit);
+  else if (solution.status == QuadraticProgramStatus::optimal &&
+           !within_limits(robot, torques, in_units(solution, unit)))
+  {
+    conditions.add_motors(robot, torques, unit);
+    solution = solve(program, solution.active);
+  }
   const bool relaxed = solution.status == QuadraticProgramStatus::infeasible;
   if (relaxed && conditions.any(Rank::window))
   {
@@ -352,10 +404,7 @@ Result<Reactions> constrained(const Robot& robot, const SupportEquations& equati
   }
   if (solution.status != QuadraticProgramStatus::optimal)
     return Refusal(Reason::numerical, "the optimisation did not end; the motion's numbers are too large");
-  Eigen::Vector3d y = Eigen::Vector3d::Zero();
-  for (int k = 0; k < n; ++k)
-    y(k) = unit(k) * solution.y(k);
-  return Reactions{all.at(y), false, relaxed};
+  return Reactions{all.at(in_units(solution, unit)), false, relaxed};
 }
 
 } // namespace torqued
