@@ -9,6 +9,7 @@
 #include <cmath>
 #include <cstdint>
 #include <limits>
+#include <utility>
 
 namespace torqued
 {
@@ -82,14 +83,6 @@ struct Program
   double scale(int i, double y_squared) const { return std::sqrt(scale_squared(i, y_squared)); }
 };
 
-// What solves the program with the rows of a working set as equalities: y, and the rows' multipliers by their places
-// in the set.
-struct Solved
-{
-  Vector y;
-  PerRow lambda;
-};
-
 // The program with the rows of a working set as equalities: a_i·y = b_i of a hard row, = b_i + λ_i of a soft one.
 //
 // With H = L D Lᵀ it is the least squares of C y − c, weighted by D and 1, the rows of C being Lᵀ and a_iᵀ of the soft
@@ -113,20 +106,26 @@ public:
     hard_ = rows_;
     for_each(active & program_.soft, add);
 
-    // twice, because the first time leaves what the cancellation in it amounts to
+    // twice where the first time cancels more than half of the length, because it leaves what that amounts to
     for (int k = 0; k < hard_; ++k)
     {
       Vector rest = program_.a(row_[k]);
+      double squared = program_.squared[row_[k]];
       R_.col(k).setZero();
-      for (int times = 0; times < 2; ++times)
+      for (int times = 0; times < 2 && k > 0; ++times)
+      {
         for (int j = 0; j < k; ++j)
         {
           const double share = Y_.col(j).dot(rest) * per_Y_squared_[j];
           R_(j, k) += share;
           rest -= share * Y_.col(j);
         }
+        const double before = std::exchange(squared, rest.squaredNorm());
+        if (squared > 0.25 * before)
+          break;
+      }
       Y_.col(k) = rest;
-      per_Y_squared_[k] = 1.0 / rest.squaredNorm();
+      per_Y_squared_[k] = 1.0 / squared;
     }
     free_ = 3 - hard_;
     if (rows_ == 0)
@@ -160,14 +159,14 @@ public:
   int size() const { return rows_; }
   int row(int place) const { return row_[place]; }
 
-  // minimises ½ yᵀ H y + gᵀ y + ½ Σ λ_i² of the soft rows. b: of the rows; zeros if there is none
-  void minimum(const Vector& g, const PerRow* b, Solved& solved) const
+  // minimises ½ yᵀ H y + gᵀ y + ½ Σ λ_i² of the soft rows. b: of the rows; zeros if there is none; lambda: by the rows'
+  // places in the set
+  void minimum(const Vector& g, const PerRow* b, Vector& y, PerRow& lambda) const
   {
     const auto bound = [&](int place)
     {
       return b ? (*b)[row_[place]] : 0.0;
     };
-    Vector& y = solved.y;
     if (rows_ == 0)
     {
       y = factors_.solve(-g);
@@ -184,31 +183,34 @@ public:
         along[k] -= R_(j, k) * along[j];
       y += along[k] * per_Y_squared_[k] * Y_.col(k);
     }
-    Column c;
-    const auto of_g = factors_.from_left(g);
-    to_left(y, c);
-    for (std::size_t i = 0; i < 3; ++i)
-      c[i] = -of_g[i] * factors_.per_D[i] - c[i];
-    for (int i = hard_; i < rows_; ++i)
-      c[3 + i - hard_] = bound(i) - program_.along(row_[i], y);
-
-    std::array<double, 3> z;
-    for (int k = 0; k < free_; ++k)
-      z[k] = take(k, c);
-    for (int k = free_ - 1; k >= 0; --k)
+    if (free_ > 0)
     {
-      for (int j = k + 1; j < free_; ++j)
-        z[k] -= U_(k, j) * z[j];
-      y += z[k] * Z_.col(k);
+      Column c;
+      const auto of_g = factors_.from_left(g);
+      to_left(y, c);
+      for (std::size_t i = 0; i < 3; ++i)
+        c[i] = -of_g[i] * factors_.per_D[i] - c[i];
+      for (int i = hard_; i < rows_; ++i)
+        c[3 + i - hard_] = bound(i) - program_.along(row_[i], y);
+
+      std::array<double, 3> z;
+      for (int k = 0; k < free_; ++k)
+        z[k] = take(k, c);
+      for (int k = free_ - 1; k >= 0; --k)
+      {
+        for (int j = k + 1; j < free_; ++j)
+          z[k] -= U_(k, j) * z[j];
+        y += z[k] * Z_.col(k);
+      }
     }
 
     Vector gradient = program_.H * y + g;
     for (int i = hard_; i < rows_; ++i)
     {
-      solved.lambda[i] = program_.along(row_[i], y) - bound(i);
-      gradient += solved.lambda[i] * program_.a(row_[i]);
+      lambda[i] = program_.along(row_[i], y) - bound(i);
+      gradient += lambda[i] * program_.a(row_[i]);
     }
-    take_over(gradient, solved.lambda);
+    take_over(gradient, lambda);
   }
 
   // how the multipliers change as that of another row p grows by 1; returns how fast p's violation shrinks
@@ -233,16 +235,15 @@ public:
     }
 
     // what the hard rows can take over of the normal; what is left of it beyond rounding is independent of them
-    std::fill_n(change.begin(), rows_, 0.0);
     take_over(a, change);
+    std::fill(change.begin() + hard_, change.begin() + rows_, 0.0);
     double scale_squared = program_.squared[p];
     for (int k = 0; k < hard_; ++k)
       scale_squared += change[k] * change[k] * program_.squared[row_[k]];
     if (free_squared > kRounding * kRounding * scale_squared)
     {
-      Solved solved;
-      minimum(a, nullptr, solved);
-      std::copy_n(solved.lambda.begin(), rows_, change.begin());
+      Vector y;
+      minimum(a, nullptr, y, change);
       // freeᵀ ((C Z)ᵀ C Z)⁻¹ free
       for (int k = 0; k < free_; ++k)
       {
@@ -552,11 +553,10 @@ private:
 
   void solve_equalities(const Vector& g)
   {
-    Solved solved;
-    equalities_.minimum(g, &program_.b, solved);
-    y_ = solved.y;
+    PerRow lambda;
+    equalities_.minimum(g, &program_.b, y_, lambda);
     for (int k = 0; k < equalities_.size(); ++k)
-      lambda_[equalities_.row(k)] = solved.lambda[k];
+      lambda_[equalities_.row(k)] = lambda[k];
   }
   void keep_from_pulling()
   {
