@@ -28,7 +28,8 @@ Legs legs_of(const Robot& robot, const SupportEquations& equations)
 {
   const Kinematics& now = equations.now;
   const VectorD& turning = equations.turn;
-  const Eigen::Vector2d& base_acceleration = equations.base_acceleration;
+  const Eigen::Vector2d base_up(equations.base_acceleration.x(),
+                                equations.base_acceleration.y() + robot.mechanism.gravity());
   Legs legs{position(now, robot.link(robot.trunk).origin),
             Eigen::Vector3d::Zero(),
             {Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero()}};
@@ -40,7 +41,7 @@ Legs legs_of(const Robot& robot, const SupportEquations& equations)
     // rate of momentum, about the trunk's origin: the force at the link's frame, and about that frame
     const Link& link = robot.links[i];
     Eigen::Vector2d place = now.base - legs.origin;
-    Eigen::Vector2d up = base_acceleration + Eigen::Vector2d(0.0, robot.mechanism.gravity());
+    Eigen::Vector2d up = base_up;
     const auto add = [&](int direction, const Eigen::Vector2d& r)
     {
       const double rate = now.rate(direction);
