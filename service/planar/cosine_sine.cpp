@@ -2,7 +2,6 @@
 
 #include "planar/processors.h"
 
-#include <algorithm>
 #include <bit>
 #include <cmath>
 #include <cstdint>
