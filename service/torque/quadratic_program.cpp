@@ -131,17 +131,25 @@ public:
     if (rows_ == 0)
       return;
     if (hard_ == 0)
+    {
       Z_.setIdentity();
+      per_Z_squared_.fill(1.0);
+    }
     else if (hard_ == 1)
     {
       int least;
       const Vector y = Y_.col(0);
       y.cwiseAbs().minCoeff(&least);
-      Z_.col(0) = y.cross(Vector::Unit(least)).normalized();
-      Z_.col(1) = y.cross(Z_.col(0)).normalized();
+      Z_.col(0) = y.cross(Vector::Unit(least));
+      Z_.col(1) = y.cross(Z_.col(0));
+      per_Z_squared_[0] = 1.0 / Z_.col(0).squaredNorm();
+      per_Z_squared_[1] = per_Y_squared_[0] * per_Z_squared_[0];
     }
     else if (hard_ == 2)
-      Z_.col(0) = Y_.col(0).cross(Y_.col(1)).normalized();
+    {
+      Z_.col(0) = Y_.col(0).cross(Y_.col(1));
+      per_Z_squared_[0] = per_Y_squared_[0] * per_Y_squared_[1];
+    }
 
     for (int k = 0; k < free_; ++k)
     {
@@ -231,7 +239,7 @@ public:
     for (int k = 0; k < free_; ++k)
     {
       free[k] = program_.along(p, Z_.col(k));
-      free_squared += free[k] * free[k];
+      free_squared += free[k] * free[k] * per_Z_squared_[k];
     }
 
     // what the hard rows can take over of the normal; what is left of it beyond rounding is independent of them
@@ -278,7 +286,9 @@ private:
   double take(int k, Column& x) const
   {
     const double share = dot(Q_[k], x) * per_squared_[k];
-    for (int i = 0; i < 3 + rows_ - hard_; ++i)
+    for (int i = 0; i < 3; ++i)
+      x[i] -= share * Q_[k][i];
+    for (int i = 3; i < 3 + rows_ - hard_; ++i)
       x[i] -= share * Q_[k][i];
     return share;
   }
@@ -299,8 +309,8 @@ private:
   int rows_ = 0, hard_ = 0, free_ = 3;
   Matrix Y_, R_, Z_, U_;
   std::array<Column, 3> Q_;
-  std::array<double, 3> per_Y_squared_; // 1 / |y|² of Y's columns
-  std::array<double, 3> per_squared_;   // 1 / |q|² of Q's columns
+  std::array<double, 3> per_Y_squared_, per_Z_squared_; // 1 / |y|² of Y's columns, and of Z's
+  std::array<double, 3> per_squared_;                   // 1 / |q|² of Q's columns
 };
 
 // The KKT residuals of these rows, the only ones with multipliers, as squares: see(residual, numerator, denominator),
