@@ -102,20 +102,20 @@ TEST_CASE("each contact pair leaves as many reactions free as counting says, and
                          const AdmissibleReactions all = now.all();
                          const ReactionTorques torques = now.torques(all);
                          CHECK(all.rank() == rank);
-                         CHECK(all.redundancy() == n_w - rank);
-                         CHECK(all.redundancy() == now.support().redundancy());
+                         CHECK(all.redundancy == n_w - rank);
+                         CHECK(all.redundancy == now.support().redundancy());
                          // degrees of freedom of the motion: 9 − n_w; beyond them the six motors are redundant
-                         if (all.redundancy() > 0)
-                           CHECK(all.redundancy() == 6 - (9 - n_w));
+                         if (all.redundancy > 0)
+                           CHECK(all.redundancy == 6 - (9 - n_w));
 
-                         CHECK(mismatch(G * all.Z, Eigen::MatrixXd::Zero(3, all.redundancy()), 1e-13) == "");
-                         CHECK(mismatch(G * all.w0 + all.unmet, now.d(), 1e-12) == "");
+                         CHECK(mismatch(G * all.Z(), Eigen::MatrixXd::Zero(3, all.redundancy), 1e-13) == "");
+                         CHECK(mismatch(G * all.w0() + all.unmet, now.d(), 1e-12) == "");
                          if (rank == 3)
                            CHECK(all.unmet == Eigen::Vector3d::Zero());
-                         Eigen::VectorXd y(all.redundancy());
+                         Eigen::VectorXd y(all.redundancy);
                          for (double& entry : y)
                            entry = oracle::uniform(random, -100.0, 100.0);
-                         const Eigen::VectorXd w = all.w0 + all.Z * y;
+                         const Eigen::VectorXd w = all.w0() + all.Z() * y;
                          const Eigen::VectorXd tau = torques.tau0.head<6>() + torques.T.topRows<6>() * y;
                          const Vector9 rest = now.r() - now.B() * tau - now.J().transpose() * w;
                          // a floating root keeps what no reaction meets
@@ -130,12 +130,12 @@ TEST_CASE("each contact pair leaves as many reactions free as counting says, and
                            const bool trailing = support.of(support.trailing()) == Contact::sole;
                            const Side free = trailing ? support.leading : support.trailing();
                            const int components = wrench_components(support.of(free));
-                           CHECK(all.w0.segment(support.row(free), components).isZero(0.0));
-                           CHECK(all.Z.middleRows(support.row(free), components).isIdentity(0.0));
+                           CHECK(all.w0().segment(support.row(free), components).isZero(0.0));
+                           CHECK(all.Z().middleRows(support.row(free), components).isIdentity(0.0));
                          }
-                         if (all.redundancy() > 0)
+                         if (all.redundancy > 0)
                            CHECK(Eigen::MatrixXd(torques.T.topRows<6>()).colPivHouseholderQr().rank() ==
-                                 all.redundancy());
+                                 all.redundancy);
                        });
     }
 }
@@ -152,7 +152,7 @@ TEST_CASE("an imbalance on one contact point is the moment about it that the who
           const Eigen::Vector2d lever = now.motion.X.tail<2>() - p;
           const Eigen::Vector3d d = now.d();
           CHECK(mismatch(now.all().unmet, Eigen::Vector3d(0.0, 0.0, d(2) + cross(lever, d.head<2>())), 1e-11) == "");
-          CHECK(now.all().w0.head<2>() == now.equations.d.head<2>());
+          CHECK(now.all().w0().head<2>() == now.equations.d.head<2>());
         });
 }
 
@@ -187,12 +187,12 @@ TEST_CASE("two contact points at one place count as one: an imbalance is refused
     motion.A(6) = at_0 / (at_0 - at_1);
 
     const Case now(biped, motion, Contact::toe, Contact::toe, Side::left, 0.5, 0.5);
-    CHECK(now.all().redundancy() == 2);
+    CHECK(now.all().redundancy == 2);
     CHECK(now.all().rank() == 2);
     for (const Method method : {Method::pseudo_inverse, Method::constrained})
     {
       const TorqueSolution found = now.solution(method);
-      CHECK(dynamics_residual(now.robot, now.equations, found, found.torque) < 1e-9 * size(now, found));
+      CHECK(dynamics_residual(now.robot, now.equations, found) < 1e-9 * size(now, found));
     }
     for (const Method method : {Method::linear_transition, Method::zmp_transition, Method::internal_wrench,
                                 Method::torso_wrench, Method::tracked_reaction, Method::tracked_internal})
@@ -375,7 +375,7 @@ TEST_CASE("procedure 1 is the least torque of all that serve the motion, for eve
         const double sigma = oracle::uniform(random, -1.0, 2.0);
         const auto carried = [&](const TorqueSolution& solution, double share)
         {
-          return carried_trunk(now.robot, now.equations, now.support(), Reactions{solution.w}, share);
+          return carried_trunk(now.robot, now.equations, now.support(), Reactions(solution.w), share);
         };
         const CarriedTrunk start = carried(now.solution(Method::linear_transition), sigma);
         const auto torque_at = [&](const Eigen::Vector3d& eta) -> Eigen::VectorXd
@@ -465,7 +465,7 @@ TEST_CASE("both legs carry the trunk: f* is its rate of momentum, and what the l
                             ck.s3 * (A(6) * Eigen::Vector2d(-c, -s) - V(6) * V(6) * Eigen::Vector2d(-s, c));
                         const Eigen::Vector2d force = ck.m3 * acceleration;
                         const Eigen::Vector3d expected(force.x(), force.y(), ck.I3 * A(6) + cross(com, force));
-                        const Reactions chosen{now.solution(Method::linear_transition).w};
+                        const Reactions chosen(now.solution(Method::linear_transition).w);
                         const CarriedTrunk found = carried_trunk(now.robot, now.equations, now.support(), chosen, 0.0);
                         CHECK(mismatch(found.trunk, expected, 1e-10) == "");
                       });
@@ -498,7 +498,7 @@ TEST_CASE("procedures 3 and 4 are the linear transition, and a clamp changes the
                         const auto found = std::get<CarriedTrunk>(
                             tracked_internal(now.robot, now.equations, now.support(), settings.linear_transition));
                         const CarriedTrunk x =
-                            carried_trunk(now.robot, now.equations, now.support(), Reactions{linear.w}, 0.0);
+                            carried_trunk(now.robot, now.equations, now.support(), Reactions(linear.w), 0.0);
                         // (71): what one leg carries determines both feet's reactions
                         const WrenchVector below = reactions_below(now.robot, now.equations, now.support(), x.internal);
                         CHECK((below - linear.w).cwiseAbs().maxCoeff() < 1e-10 * unit);
@@ -730,7 +730,7 @@ friction = 0.8
     const auto solved = solve_torques(robot, equations, desired.support, known.method, {}, 1e-3);
     REQUIRE(std::holds_alternative<TorqueSolution>(solved));
     const TorqueSolution& found = std::get<TorqueSolution>(solved);
-    CHECK(dynamics_residual(robot, equations, found, found.torque) < 1e-10 * robot.weight());
+    CHECK(dynamics_residual(robot, equations, found) < 1e-10 * robot.weight());
   }
 }
 
@@ -770,7 +770,7 @@ TEST_CASE("every robot that stands on two feet is served by every method, and le
             const TorqueSolution& found = std::get<TorqueSolution>(solved);
             ++answered;
             const double unit = 1.0 + std::max(found.w.cwiseAbs().maxCoeff(), equations.r.cwiseAbs().maxCoeff());
-            CHECK(dynamics_residual(robot, equations, found, found.torque) < 1e-9 * unit);
+            CHECK(dynamics_residual(robot, equations, found) < 1e-9 * unit);
             if (known.method != Method::internal_wrench && known.method != Method::torso_wrench)
               continue;
             // its gradient along what (2) leaves free vanishes

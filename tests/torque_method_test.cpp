@@ -32,7 +32,7 @@ TorqueSolution solution(const Robot& robot, const DesiredState& desired, const M
 double residual(const Robot& robot, const DesiredState& desired)
 {
   const TorqueSolution found = solution(robot, desired);
-  return dynamics_residual(robot, std::get<SupportEquations>(support_equations(robot, desired)), found, found.torque);
+  return dynamics_residual(robot, std::get<SupportEquations>(support_equations(robot, desired)), found);
 }
 
 Eigen::Vector3d vector(const Wrench& wrench)
@@ -485,7 +485,7 @@ TEST_CASE("motors give what rotors and friction take on top, and the ground feel
         const auto solution =
             std::get<TorqueSolution>(solve_torques(robot, equations, desired.support, Method::none, {}, 1e-3));
         const double size = std::max(1.0, equations.r.cwiseAbs().maxCoeff());
-        CHECK(dynamics_residual(robot, equations, solution, solution.torque) < 1e-11 * size);
+        CHECK(dynamics_residual(robot, equations, solution) < 1e-11 * size);
         return solution;
       };
       const TorqueSolution with = solve(real), without = solve(ideal);

@@ -129,11 +129,11 @@ std::optional<Refusal> answer_motion(const Robot& robot, const AnswerSettings& s
   if (const auto refusal = check_consistency(settings, errors, flags))
     return *refusal;
 
-  const Result<TorqueSolution> solved =
+  Result<TorqueSolution> solved =
       solve_torques(robot, equations, desired.support, desired.method, settings.methods, settings.residual_tolerance);
   if (const Refusal* refusal = std::get_if<Refusal>(&solved))
     return *refusal;
-  const TorqueSolution& solution = std::get<TorqueSolution>(solved);
+  TorqueSolution& solution = std::get<TorqueSolution>(solved);
 
   answer.utime = desired.utime;
   answer.stream_id = desired.stream_id;
@@ -151,18 +151,18 @@ std::optional<Refusal> answer_motion(const Robot& robot, const AnswerSettings& s
   answer.zmp = zero_moment_point(robot, equations);
   answer.contact_speed = errors.speed;
   answer.contact_residual = errors.acceleration;
-  answer.torque = solution.torque;
-  if (const auto refusal = apply_limits(robot, settings, desired, memory, answer.torque, flags))
+  if (const auto refusal = apply_limits(robot, settings, desired, memory, solution.torque, flags))
     return *refusal;
-  answer.dynamics_residual = dynamics_residual(robot, equations, solution, answer.torque);
+  answer.dynamics_residual = dynamics_residual(robot, equations, solution);
   answer.flags = flags;
+  copy_whole(solution.torque, answer.torque);
   if (!all_finite(answer))
     return Refusal(Reason::numerical, "a result is not finite; the motion's numbers are too large");
 
   memory.answered = true;
   memory.stream_id = desired.stream_id;
   memory.utime = desired.utime;
-  memory.torque = answer.torque;
+  copy_whole(solution.torque, memory.torque);
   return {};
 }
 

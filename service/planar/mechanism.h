@@ -50,6 +50,15 @@ using PlaneVectors = Eigen::Matrix<double, 2, Eigen::Dynamic, Eigen::RowMajor, 2
 /// A number of each direction of a block.
 using DirectionBlock = Eigen::Array<double, 1, kDirectionBlock>;
 
+/// to = from, by the whole storage: of a size that the compiler knows it takes no call, and does not wait for what was
+/// written just before.
+template <int MaxRows> void copy_whole(const BoundedVector<MaxRows>& from, BoundedVector<MaxRows>& to)
+{
+  using Storage = Eigen::Matrix<double, MaxRows, 1>;
+  to.resize(from.size());
+  Eigen::Map<Storage>(to.data()) = Eigen::Map<const Storage>(from.data());
+}
+
 /// r turned by +90°: (−r_z, r_x).
 inline Eigen::Vector2d perp(const Eigen::Vector2d& r)
 {

@@ -92,32 +92,30 @@ public:
              const AdmissibleReactions& all, const Constrained& settings, const Eigen::Vector3d& unit)
       : rows_(rows), size_(ContactConditions::kMost)
   {
-    // the components of both feet's wrenches, for y and for w0 at once; no moment at a heel or toe
+    // the components of both feet's wrenches, for w0 and for y at once; no moment at a heel or toe
     using Columns = Eigen::Vector4d;
+    const Columns units(-1.0, unit(0), unit(1), unit(2));
     std::array<std::array<Columns, 3>, 2> wrench;
     for (const Side side : kSides)
       for (int i = 0; i < 3; ++i)
       {
-        const int c = support.row(side) + i;
-        const bool exists = i < wrench_components(support.of(side));
-        const auto of_y = [&](int k)
-        {
-          return exists && k < all.redundancy() ? unit(k) * all.Z(c, k) : 0.0;
-        };
-        wrench[static_cast<std::size_t>(side)][static_cast<std::size_t>(i)] =
-            Columns(of_y(0), of_y(1), of_y(2), exists ? -all.w0(c) : 0.0);
+        auto& component = wrench[static_cast<std::size_t>(side)][static_cast<std::size_t>(i)];
+        if (i < wrench_components(support.of(side)))
+          component = all.row(support.row(side) + i).cwiseProduct(units);
+        else
+          component.setZero();
       }
 
     // always as many rows, of which the last may ask nothing: the compiler then knows where each entry is
-    rows_.A.resize(size_, all.redundancy());
+    rows_.A.resize(size_, all.redundancy);
     rows_.b.resize(size_);
     Eigen::Map<Eigen::Matrix<double, ContactConditions::kMost, 3>> A(rows_.A.data());
     int row = 0;
     const auto write = [&](const Columns& a, double bound, Rank rank)
     {
       for (int k = 0; k < 3; ++k)
-        A(row, k) = a(k);
-      rows_.b(row) = bound + a(3);
+        A(row, k) = a(1 + k);
+      rows_.b(row) = bound + a(0);
       rank_[static_cast<std::size_t>(row++)] = rank;
     };
     for_each_condition(robot, equations, support, settings,
@@ -274,12 +272,12 @@ void add_reactions(const Robot& robot, const Support& support, const AdmissibleR
     {
       const int c = support.row(side) + i;
       const double lever = i < 2 ? robot.leg_length : 1.0;
-      for (int k = 0; k < all.redundancy(); ++k)
+      for (int k = 0; k < all.redundancy; ++k)
       {
-        const double slope = weight * lever * lever * all.Z(c, k) * unit(k);
+        const double slope = weight * lever * lever * all.rows(c, 1 + k) * unit(k);
         program.g(k) += slope * w0(c);
-        for (int j = 0; j < all.redundancy(); ++j)
-          program.H(j, k) += slope * all.Z(c, j) * unit(j);
+        for (int j = 0; j < all.redundancy; ++j)
+          program.H(j, k) += slope * all.rows(c, 1 + j) * unit(j);
       }
     }
 }
@@ -319,7 +317,7 @@ ContactConditions contact_conditions(const Robot& robot, const SupportEquations&
 Result<Reactions> constrained(const Robot& robot, const SupportEquations& equations, const Support& support,
                               const AdmissibleReactions& all, const Constrained& settings, bool relax)
 {
-  const int n = static_cast<int>(all.redundancy());
+  const int n = all.redundancy;
   const ReactionTorques torques = reaction_torques(robot, equations, support, all);
 
   // units of y: N, and N m where it is a moment, the third of two soles
@@ -355,10 +353,10 @@ Result<Reactions> constrained(const Robot& robot, const SupportEquations& equati
     const Result<Reactions> reference = zmp_transition(robot, equations, support);
     if (const Refusal* refusal = std::get_if<Refusal>(&reference))
       return *refusal;
-    add_reactions(robot, support, all, all.w0 - std::get<Reactions>(reference).w, unit, k * per_scale, program);
+    add_reactions(robot, support, all, all.w0() - std::get<Reactions>(reference).w, unit, k * per_scale, program);
   }
   if (!tells_apart(program.H))
-    add_reactions(robot, support, all, all.w0, unit, 1e-9 / (size * size), program);
+    add_reactions(robot, support, all, all.w0(), unit, 1e-9 / (size * size), program);
 
   // motors take part only where one of them would be beyond its limit without it; mostly none is
   QuadraticProgramSolution solution = solve(program);
@@ -404,7 +402,7 @@ Result<Reactions> constrained(const Robot& robot, const SupportEquations& equati
   }
   if (solution.status != QuadraticProgramStatus::optimal)
     return Refusal(Reason::numerical, "the optimisation did not end; the motion's numbers are too large");
-  return Reactions{all.at(in_units(solution, unit)), false, relaxed};
+  return Result<Reactions>(std::in_place_type<Reactions>, all, in_units(solution, unit), relaxed);
 }
 
 } // namespace torqued

@@ -38,17 +38,17 @@ Result<Reactions> pseudo_inverse(const Robot& robot, const SupportEquations& equ
   {
     return root.cwiseProduct(Eigen::Vector4d(w(from), w(from + 1), w(third), w(fourth)));
   };
-  const Eigen::Vector4d b = lambda(all.w0);
+  const Eigen::Vector4d b = lambda(all.rows.col(0));
   Eigen::Matrix<double, 4, 3> A;
-  for (int k = 0; k < all.redundancy(); ++k)
-    A.col(k) = lambda(all.Z.col(k));
+  for (int k = 0; k < 3; ++k)
+    A.col(k) = lambda(all.rows.col(1 + k));
 
   if (settings.weights.size() == 0)
   {
     NormalEquations normal = least_torque_equations(robot, torques);
     normal.add<4>(A, b);
     if (const auto y = normal.solution(0.0))
-      return Reactions{all.at(*y)};
+      return Result<Reactions>(std::in_place_type<Reactions>, all, *y);
   }
   SumOfSquares sum = torque_squares(robot, torques, settings.weights);
   sum.b.segment<4>(sum.rows) = b;
@@ -58,7 +58,7 @@ Result<Reactions> pseudo_inverse(const Robot& robot, const SupportEquations& equ
   const auto y = least_squares(sum, 0.0);
   if (!y)
     return Refusal(Reason::numerical, "the measure of torques and reactions does not tell some reactions apart");
-  return Reactions{all.at(*y)};
+  return Result<Reactions>(std::in_place_type<Reactions>, all, *y);
 }
 
 Result<Reactions> least_torque(const Robot& robot, const SupportEquations& equations, const Support& support,
@@ -78,10 +78,10 @@ Result<Reactions> least_torque(const Robot& robot, const SupportEquations& equat
   const double independent = kIndependent * robot.leg_length * size;
   if (weights.size() == 0)
     if (const auto y = least_torque_equations(robot, torques).solution(independent))
-      return Reactions{all.at(*y)};
+      return Result<Reactions>(std::in_place_type<Reactions>, all, *y);
 
   // moments in N × leg length, so that the columns compare
-  const double unit = all.redundancy() == 3 ? robot.leg_length : 1.0;
+  const double unit = all.redundancy == 3 ? robot.leg_length : 1.0;
   SumOfSquares sum = torque_squares(robot, torques, weights);
   sum.A.col(sum.variables - 1).head(sum.rows) *= unit;
   auto y = least_squares(sum, independent);
@@ -89,8 +89,8 @@ Result<Reactions> least_torque(const Robot& robot, const SupportEquations& equat
     return Refusal(Reason::numerical,
                    "an internal wrench between the feet needs no torque here, as when both legs are straight, parallel "
                    "and at one place, so that the least torque does not determine the ground reactions");
-  (*y)(all.redundancy() - 1) *= unit;
-  return Reactions{all.at(*y)};
+  (*y)(all.redundancy - 1) *= unit;
+  return Result<Reactions>(std::in_place_type<Reactions>, all, *y);
 }
 
 } // namespace torqued

@@ -104,7 +104,7 @@ Result<Reactions> share_load(const Robot& robot, const SupportEquations& equatio
     force(leading).y() = (moment_about_p + lever.y() * force(leading).x()) / lever.x();
     force(trailing).y() = F.y() - force(leading).y();
   }
-  return Reactions{w};
+  return Result<Reactions>(std::in_place_type<Reactions>, w);
 }
 
 Share share_of(double part, double whole, double nothing)

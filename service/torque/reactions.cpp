@@ -7,90 +7,87 @@
 namespace torqued
 {
 
-namespace
-{
-
-// The wrench by which a sole supplies a force and a moment about the base point. lever: from there to its ankle.
-Eigen::Vector3d at_sole(const Eigen::Vector2d& lever, const Eigen::Vector3d& d)
-{
-  return {d(0), d(1), d(2) - cross(lever, d.head<2>())};
-}
-
-} // namespace
-
 AdmissibleReactions admissible_reactions(const Robot& robot, const SupportEquations& equations, const Support& support)
 {
   const Eigen::Vector3d& d = equations.d;
-  const int components = support.wrench_components();
-  // all of the storage, because a number that the compiler knows is cleared in no time
   AdmissibleReactions all;
-  all.w0.resize(components);
-  Eigen::Map<Eigen::Matrix<double, 6, 1>>(all.w0.data()).setZero();
-  Eigen::Map<Eigen::Matrix<double, 6, 3>>(all.Z.data()).setZero();
-  all.Z.resize(components, 0);
+  all.components = support.wrench_components();
+  all.redundancy = 0;
   all.unmet.setZero();
+  const auto row = [&](int component, double w0, double of_y0, double of_y1, double of_y2)
+  {
+    all.rows(component, 0) = w0;
+    all.rows(component, 1) = of_y0;
+    all.rows(component, 2) = of_y1;
+    all.rows(component, 3) = of_y2;
+  };
+  if (all.components % 2 == 1)
+    row(all.components, 0.0, 0.0, 0.0, 0.0);
 
   const bool leading_sole = support.of(support.leading) == Contact::sole;
   const bool trailing_sole = support.of(support.trailing()) == Contact::sole;
-  if (components == 0)
+  if (all.components == 0)
   {
     all.unmet = d;
   }
   else if (leading_sole || trailing_sole)
   {
-    // one foot is free, and the sole takes the rest
+    // the sole supplies the force and the moment about the base point, and takes back what the other foot has
     const Side sole = trailing_sole ? support.trailing() : support.leading;
-    const int sole_row = support.row(sole);
-    const int free_row = support.row(other(sole));
-    const int free = wrench_components(support.of(other(sole)));
-    const StandingFoot& standing = equations.standing[static_cast<std::size_t>(sole)];
-    const StandingFoot& free_foot = equations.standing[static_cast<std::size_t>(other(sole))];
-    all.w0.segment<3>(sole_row) = at_sole(standing.ankle, d);
-    if (free == 0)
-      return all;
-
-    // a force at the other foot, then a moment, and what takes them back
-    all.Z.resize(components, free);
-    for (int i = 0; i < free; ++i)
-      all.Z(free_row + i, i) = 1.0;
-    const Eigen::Vector2d between = free_foot.point - standing.ankle;
-    all.Z.block<3, 2>(sole_row, 0) << -1.0, 0.0, 0.0, -1.0, between.y(), -between.x();
-    if (free == 3)
-      all.Z(sole_row + 2, 2) = -1.0;
+    const Side free = other(sole);
+    const int at_sole = support.row(sole), at_free = support.row(free);
+    const Eigen::Vector2d& ankle = equations.standing[static_cast<std::size_t>(sole)].ankle;
+    all.redundancy = wrench_components(support.of(free));
+    const bool force = all.redundancy > 0, moment = all.redundancy == 3;
+    const Eigen::Vector2d between =
+        force ? Eigen::Vector2d(equations.standing[static_cast<std::size_t>(free)].point - ankle)
+              : Eigen::Vector2d::Zero();
+    row(at_sole, d(0), force ? -1.0 : 0.0, 0.0, 0.0);
+    row(at_sole + 1, d(1), 0.0, force ? -1.0 : 0.0, 0.0);
+    row(at_sole + 2, d(2) - cross(ankle, d.head<2>()), between.y(), -between.x(), moment ? -1.0 : 0.0);
+    if (force)
+    {
+      row(at_free, 0.0, 1.0, 0.0, 0.0);
+      row(at_free + 1, 0.0, 0.0, 1.0, 0.0);
+    }
+    if (moment)
+      row(at_free + 2, 0.0, 0.0, 0.0, 1.0);
   }
   else
   {
     // points only: moments about that of the trailing foot, or of the only one
-    const bool two = components == 4;
-    const Side at = two ? support.trailing() : support.of(Side::left) != Contact::none ? Side::left : Side::right;
-    const Eigen::Vector2d p = equations.foot(at).point(support.of(at));
+    const bool two = all.components == 4;
+    const Side side = two ? support.trailing() : support.of(Side::left) != Contact::none ? Side::left : Side::right;
+    const Eigen::Vector2d p = equations.foot(side).point(support.of(side));
     const double moment = d(2) - cross(p - equations.base(), d.head<2>());
     const Eigen::Vector2d lever =
         two ? Eigen::Vector2d(equations.foot(support.leading).point(support.of(support.leading)) - p)
             : Eigen::Vector2d::Zero();
-    const int row = support.row(at);
-    const int leading_row = support.row(support.leading);
-    all.w0.segment<2>(row) = d.head<2>();
+    const int at = support.row(side), at_leading = support.row(support.leading);
     if (lever.norm() < kCoincident * robot.leg_length)
     {
       all.unmet(2) = moment;
+      const double force = two ? 1.0 : 0.0;
+      all.redundancy = two ? 2 : 0;
+      row(at, d(0), -force, 0.0, 0.0);
+      row(at + 1, d(1), 0.0, -force, 0.0);
       if (two)
       {
-        all.Z = Bounded<6, 3>::Zero(4, 2);
-        all.Z.middleRows<2>(leading_row).setIdentity();
-        all.Z.middleRows<2>(row) = -Eigen::Matrix2d::Identity();
+        row(at_leading, 0.0, 1.0, 0.0, 0.0);
+        row(at_leading + 1, 0.0, 0.0, 1.0, 0.0);
       }
     }
     else
     {
-      all.w0.segment<2>(leading_row) = moment / lever.squaredNorm() * perp(lever);
-      all.w0.segment<2>(row) -= all.w0.segment<2>(leading_row);
-      all.Z.resize(4, 1);
-      all.Z.middleRows<2>(leading_row) = lever.normalized();
-      all.Z.middleRows<2>(row) = -lever.normalized();
+      const Eigen::Vector2d force = moment / lever.squaredNorm() * perp(lever);
+      const Eigen::Vector2d along = lever.normalized();
+      all.redundancy = 1;
+      row(at_leading, force.x(), along.x(), 0.0, 0.0);
+      row(at_leading + 1, force.y(), along.y(), 0.0, 0.0);
+      row(at, d(0) - force.x(), -along.x(), 0.0, 0.0);
+      row(at + 1, d(1) - force.y(), -along.y(), 0.0, 0.0);
     }
   }
-
   return all;
 }
 
@@ -109,16 +106,8 @@ ReactionTorques reaction_torques(const Robot& robot, const SupportEquations& equ
     if (contact == Contact::none)
       continue;
     const StandingFoot& standing = equations.standing[static_cast<std::size_t>(side)];
-    const auto component = [&](int c)
-    {
-      const auto of_y = [&](int k)
-      {
-        return k < all.redundancy() ? all.Z(c, k) : 0.0;
-      };
-      return Columns(all.w0(c), of_y(0), of_y(1), of_y(2));
-    };
     const int row = support.row(side);
-    const Columns fx = component(row), fz = component(row + 1);
+    const Columns fx = all.row(row), fz = all.row(row + 1);
     const auto moment_at = [&](const Eigen::Vector2d& r) -> Columns
     {
       return r.x() * fz - r.y() * fx;
@@ -127,7 +116,7 @@ ReactionTorques reaction_torques(const Robot& robot, const SupportEquations& equ
     const auto arms = static_cast<std::size_t>(standing.arms.cols());
     for (std::size_t i = 0; i < arms; ++i)
       moments[i] = moment_at(standing.arms.col(static_cast<int>(i)));
-    moments[arms] = contact == Contact::sole ? component(row + 2) : moment_at(standing.point - standing.ankle);
+    moments[arms] = contact == Contact::sole ? all.row(row + 2) : moment_at(standing.point - standing.ankle);
     for (const Foot::TorqueShare& share : robot.foot(side).torque_shares)
       given[static_cast<std::size_t>(share.joint)] -= share.size * moments[static_cast<std::size_t>(share.moment)];
   }
@@ -135,7 +124,7 @@ ReactionTorques reaction_torques(const Robot& robot, const SupportEquations& equ
   // τ0 and T, two joints at a time, and three columns, whatever their number: the storage goes on
   const VectorJ without = joint_torques(robot, equations.r);
   ReactionTorques found;
-  found.T.resize(kMaxJoints, all.redundancy());
+  found.T.resize(kMaxJoints, all.redundancy);
   Eigen::Map<Eigen::Matrix<double, kMaxJoints, 3>> T(found.T.data());
   for (int j = 0; j < rows; j += 2)
   {

@@ -7,14 +7,6 @@
 namespace torqued
 {
 
-/// Ground reactions as a method chooses them.
-struct Reactions
-{
-  WrenchVector w;
-  bool clamped = false; ///< a share was outside 0 to 1, or undefined, and was set
-  bool relaxed = false; ///< conditions that could not all be met are violated, as little as can be
-};
-
 /// All ground reactions that (2) allows:
 ///
 ///   w = w0 + Z y,   G w0 = d,   G Z = 0
@@ -25,25 +17,52 @@ struct Reactions
 /// foot down, or none, y is empty.
 struct AdmissibleReactions
 {
-  WrenchVector w0;
-  Bounded<6, 3> Z;       ///< wrench_components() × redundancy
+  /// (w0, Z), a row for each component of w; columns beyond the redundancy are 0. An odd number of rows is followed by
+  /// one of zeros; what follows that is not set.
+  Eigen::Matrix<double, 6, 4, Eigen::RowMajor> rows;
+  int components, redundancy;
   Eigen::Vector3d unmet; ///< what of (2) no reaction meets: in flight d; on one heel or toe, or on two at one point,
                          ///< (0, 0, moment about it); else 0
-  Eigen::Index redundancy() const { return Z.cols(); }
+
+  /// A row, entry by entry, because that is how it was written just before.
+  Eigen::Vector4d row(int c) const { return {rows(c, 0), rows(c, 1), rows(c, 2), rows(c, 3)}; }
+  WrenchVector w0() const
+  {
+    return by_rows([](const auto& row) { return row(0); });
+  }
+  /// components × redundancy.
+  auto Z() const { return rows.block(0, 1, components, redundancy); }
   /// w0 + Z y; y may go on.
   WrenchVector at(const Eigen::Vector3d& y) const
   {
-    // six components, whatever their number: the storage goes on
-    using Six = Eigen::Matrix<double, 6, 1>;
-    WrenchVector w(w0.size());
-    Six sum = Eigen::Map<const Six>(w0.data());
-    for (int k = 0; k < Z.cols(); ++k)
-      sum += y(k) * Eigen::Map<const Six>(Z.data() + k * Z.rows());
-    Eigen::Map<Six>(w.data()) = sum;
-    return w;
+    return by_rows([by = Eigen::RowVector4d(1.0, y(0), y(1), y(2))](const auto& row) { return row.dot(by); });
   }
   /// Rank of G: 3; 2 on a single heel or toe, or two at one point; 0 in flight.
-  Eigen::Index rank() const { return w0.size() - Z.cols(); }
+  int rank() const { return components - redundancy; }
+
+private:
+  template <typename OfRow> WrenchVector by_rows(const OfRow& of_row) const
+  {
+    // two at a time: the storage goes on
+    WrenchVector w(components);
+    for (int i = 0; i < components; i += 2)
+      Eigen::Map<Eigen::Vector2d>(w.data() + i) = Eigen::Vector2d(of_row(rows.row(i)), of_row(rows.row(i + 1)));
+    return w;
+  }
+};
+
+/// Ground reactions as a method chooses them.
+struct Reactions
+{
+  explicit Reactions(const WrenchVector& chosen) : w(chosen) {}
+  Reactions(const AdmissibleReactions& all, const Eigen::Vector3d& y, bool was_relaxed = false)
+      : w(all.at(y)), relaxed(was_relaxed)
+  {
+  }
+
+  WrenchVector w;
+  bool clamped = false; ///< a share was outside 0 to 1, or undefined, and was set
+  bool relaxed = false; ///< conditions that could not all be met are violated, as little as can be
 };
 
 AdmissibleReactions admissible_reactions(const Robot& robot, const SupportEquations& equations, const Support& support);

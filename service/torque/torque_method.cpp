@@ -76,17 +76,18 @@ Result<Reactions> choose(const Robot& robot, const SupportEquations& equations, 
   case Method::human_transition: return human_transition(robot, equations, support, settings.human_transition);
   case Method::none: break;
   }
-  return Reactions{all.w0}; // not reached: solve_torques() has nothing to choose then
+  return Reactions(all.w0()); // not reached: solve_torques() has nothing to choose then
 }
 
 } // namespace
 
 TorqueSolution::TorqueSolution(const Robot& robot, const SupportEquations& equations, const Support& support,
                                Method used, const WrenchVector& reactions, bool was_clamped, bool was_relaxed)
-    : method(used), clamped(was_clamped), relaxed(was_relaxed), w(reactions),
-      ground(about_ankles(equations, support, reactions)), from_ground(supported(robot, equations, support, ground)),
+    : method(used), clamped(was_clamped), relaxed(was_relaxed), ground(about_ankles(equations, support, reactions)),
+      from_ground(supported(robot, equations, support, ground)),
       torque(joint_torques(robot, left_for_motors(equations)))
 {
+  copy_whole(reactions, w);
 }
 
 std::string_view name_of(Method method)
@@ -118,9 +119,9 @@ Result<TorqueSolution> solve_torques(const Robot& robot, const SupportEquations&
     return *refusal;
 
   const Method asked = method == Method::none ? settings.method : method;
-  const Method used = all.redundancy() == 0 ? Method::none : asked;
+  const Method used = all.redundancy == 0 ? Method::none : asked;
   if (used == Method::none) // nothing to choose; a copy of what there is would be felt, in single support
-    return Result<TorqueSolution>(std::in_place_type<TorqueSolution>, robot, equations, support, used, all.w0);
+    return Result<TorqueSolution>(std::in_place_type<TorqueSolution>, robot, equations, support, used, all.w0());
   const Result<Reactions> chosen = choose(robot, equations, support, all, used, settings);
   if (const Refusal* refusal = std::get_if<Refusal>(&chosen))
     return *refusal;

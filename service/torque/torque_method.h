@@ -89,11 +89,10 @@ Result<TorqueSolution> solve_torques(const Robot& robot, const SupportEquations&
                                      Method method, const MethodSettings& settings, double residual_tolerance);
 
 /// Largest component of r − B τ − Jᵀ w, N or N m: rounding, unless the motion is under-actuated or τ was clamped.
-/// solution: of the equations, whose Jᵀ w is taken; torque: τ.
-inline double dynamics_residual(const Robot& robot, const SupportEquations& equations, const TorqueSolution& solution,
-                                const VectorJ& torque)
+/// solution: of the equations; its Jᵀ w and τ are taken.
+inline double dynamics_residual(const Robot& robot, const SupportEquations& equations, const TorqueSolution& solution)
 {
-  return largest_left(robot, solution.left_for_motors(equations), torque);
+  return largest_left(robot, solution.left_for_motors(equations), solution.torque);
 }
 
 } // namespace torqued

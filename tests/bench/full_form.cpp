@@ -153,15 +153,15 @@ DenseProgram null_space_form(const Robot& robot, const DesiredState& desired, co
   const ReactionTorques torques = reaction_torques(robot, equations, desired.support, reactions);
   const Conditions all = conditions(robot, equations, desired.support, settings);
   // (τ, w) = base + along y
-  MatrixXd along(motors + reactions.w0.size(), reactions.redundancy());
-  along << torques.T.topRows(motors), reactions.Z;
-  VectorXd base(motors + reactions.w0.size());
-  base << torques.tau0.head(motors), reactions.w0;
+  MatrixXd along(motors + reactions.w0().size(), reactions.redundancy);
+  along << torques.T.topRows(motors), reactions.Z();
+  VectorXd base(motors + reactions.w0().size());
+  base << torques.tau0.head(motors), reactions.w0();
   const MatrixXd T = along.topRows(motors);
   DenseProgram program;
   program.H = T.transpose() * T;
   program.g = T.transpose() * base.head(motors);
-  program.E.resize(0, reactions.redundancy());
+  program.E.resize(0, reactions.redundancy);
   program.e.resize(0);
   program.A = all.A * along;
   program.b = all.b - all.A * base;
