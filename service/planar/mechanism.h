@@ -162,8 +162,14 @@ public:
       }
     for (; k < num_directions(); k += kDirectionBlock)
       x.segment<kDirectionBlock>(k).setZero();
-    for (const BlockOfBars& bars : blocks_of_bars_)
-      x.segment<kDirectionBlock>(bars.row).array() += theta(bars.column) * bars.shares.transpose();
+    for (auto bars = blocks_of_bars_.begin(); bars != blocks_of_bars_.end();)
+    {
+      const int row = bars->row;
+      DirectionBlock sum = x.segment<kDirectionBlock>(row).transpose();
+      for (; bars != blocks_of_bars_.end() && bars->row == row; ++bars)
+        sum += theta(bars->column) * bars->shares;
+      x.segment<kDirectionBlock>(row) = sum.transpose();
+    }
     return x;
   }
   /// Adds Wᵀ x to the head of `theta`, x being 0 but at one direction.
