@@ -154,8 +154,7 @@ struct Program
         KKT.row(n + i).head(n) = a[active[static_cast<std::size_t>(i)]].transpose();
         rhs(n + i) = b[active[static_cast<std::size_t>(i)]];
       }
-      const Eigen::PartialPivLU<Eigen::MatrixXd> LU(KKT);
-      const Eigen::VectorXd y = LU.solve(rhs).head(n);
+      const Eigen::VectorXd y = oracle::solve_square(KKT, rhs).head(n);
       if (!y.allFinite())
         return;
       for (std::size_t i = 0; i < a.size(); ++i)
@@ -419,7 +418,7 @@ TEST_CASE("windows that give way alone lack no more than they must, and then the
         CHECK(lack(found.w) <= lack(sought.one + sought.others * least.y) + 1e-6);
         const auto cost = [&](const Eigen::VectorXd& w)
         {
-          const Eigen::VectorXd y = sought.others.colPivHouseholderQr().solve(w - sought.one);
+          const Eigen::VectorXd y = oracle::solve(sought.others, w - sought.one);
           return 0.5 * y.dot(sought.H * y) + sought.g.dot(y);
         };
         const double at_least = cost(sought.one + sought.others * expected.y);

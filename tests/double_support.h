@@ -2,11 +2,11 @@
 #pragma once
 
 #include "catch.h"
+#include "decompositions.h"
 #include "oracles.h"
 
 #include "torque/torque_method.h"
 
-#include <Eigen/Dense>
 #include <optional>
 #include <string>
 #include <utility>
@@ -66,13 +66,10 @@ struct Case
   Eigen::MatrixXd G() const { return N().transpose() * J().transpose(); }
   Eigen::Vector3d d() const { return N().transpose() * r(); }
   // all w that serve the motion: one of them, and a basis of the others
-  Eigen::VectorXd one() const { return G().completeOrthogonalDecomposition().solve(d()); }
-  Eigen::MatrixXd others() const { return G().fullPivLu().kernel(); }
+  Eigen::VectorXd one() const { return oracle::solve(G(), d()); }
+  Eigen::MatrixXd others() const { return oracle::kernel(G()); }
   // τ of w: the normal equations of the six columns of B, because the three rows without motors are served
-  Eigen::VectorXd torque(const Eigen::VectorXd& w) const
-  {
-    return B().colPivHouseholderQr().solve(r() - J().transpose() * w);
-  }
+  Eigen::VectorXd torque(const Eigen::VectorXd& w) const { return oracle::solve(B(), r() - J().transpose() * w); }
 
   AdmissibleReactions all() const { return admissible_reactions(robot, equations, support()); }
 
@@ -185,21 +182,20 @@ inline void ask_of_ground(oracle::Random& random, const oracle::Biped& biped, co
 {
   Case now(biped, motion, stance.left, stance.right, stance.leading, 0.0, 0.0);
   const Eigen::MatrixXd J = now.J();
-  const auto decomposition = J.completeOrthogonalDecomposition();
-  motion.V -= decomposition.solve(J * motion.V);
+  motion.V -= oracle::solve(J, J * motion.V);
   Eigen::VectorXd Jdot_V(J.rows());
   Jdot_V << biped.Jdot_V(Side::left, stance.left, motion.X, motion.V),
       biped.Jdot_V(Side::right, stance.right, motion.X, motion.V);
-  motion.A -= decomposition.solve(J * motion.A + Jdot_V);
+  motion.A -= oracle::solve(J, J * motion.A + Jdot_V);
 
   const double F_z = oracle::uniform(random, 0.6, 1.4) * biped.mass() * biped.gravity;
   const double F_x = oracle::uniform(random, -0.7, 0.7) * biped.friction * F_z;
   const Eigen::Vector2d hip = motion.X.tail<2>();
   const Eigen::Vector3d wanted(F_x, F_z, cross(Eigen::Vector2d(x_zmp, 0.0) - hip, Eigen::Vector2d(F_x, F_z)));
   now = Case(biped, motion, stance.left, stance.right, stance.leading, 0.0, 0.0);
-  const Eigen::MatrixXd free = J.fullPivLu().kernel();
+  const Eigen::MatrixXd free = oracle::kernel(J);
   const Eigen::MatrixXd effect = now.N().transpose() * biped.D(motion.X) * free;
-  motion.A += free * effect.completeOrthogonalDecomposition().solve(wanted - now.d());
+  motion.A += free * oracle::solve(effect, wanted - now.d());
 }
 
 } // namespace torqued

@@ -52,28 +52,19 @@ JointWeights random_weights(oracle::Random& random)
 // the least ½ τᵀ W τ over all w that serve the motion, W = root rootᵀ
 Eigen::VectorXd least_torque_oracle(const Case& now, const Eigen::MatrixXd& W)
 {
-  const Eigen::MatrixXd root = W.llt().matrixU();
+  const Eigen::MatrixXd root = oracle::upper_root(W);
   const Eigen::VectorXd w = now.one();
   const Eigen::MatrixXd others = now.others();
   Eigen::MatrixXd T(6, others.cols());
   for (Eigen::Index k = 0; k < others.cols(); ++k)
     T.col(k) = now.torque(w + others.col(k)) - now.torque(w);
-  const Eigen::VectorXd y = (root * T).colPivHouseholderQr().solve(-root * now.torque(w));
+  const Eigen::VectorXd y = oracle::solve(root * T, -root * now.torque(w));
   return now.torque(w + others * y);
 }
 
 double objective(const Eigen::VectorXd& torque, const Eigen::MatrixXd& W)
 {
   return 0.5 * torque.dot(W * torque);
-}
-
-Eigen::Index rank_of(const Eigen::MatrixXd& matrix)
-{
-  if (matrix.size() == 0)
-    return 0;
-  Eigen::FullPivLU<Eigen::MatrixXd> decomposition(matrix);
-  decomposition.setThreshold(1e-9);
-  return decomposition.rank();
 }
 
 std::string name(Method method)
@@ -97,7 +88,7 @@ TEST_CASE("each contact pair leaves as many reactions free as counting says, and
                        {
                          const Eigen::MatrixXd G = now.G();
                          // moments in N × metre compare with forces: no scaling is needed to see the rank
-                         CHECK(rank_of(G) == rank);
+                         CHECK(oracle::rank(G) == rank);
                          CHECK(mismatch(now.equations.d, now.d(), 1e-12) == "");
                          const AdmissibleReactions all = now.all();
                          const ReactionTorques torques = now.torques(all);
@@ -134,8 +125,7 @@ TEST_CASE("each contact pair leaves as many reactions free as counting says, and
                            CHECK(all.Z().middleRows(support.row(free), components).isIdentity(0.0));
                          }
                          if (all.redundancy > 0)
-                           CHECK(Eigen::MatrixXd(torques.T.topRows<6>()).colPivHouseholderQr().rank() ==
-                                 all.redundancy);
+                           CHECK(oracle::rank(torques.T.topRows<6>()) == all.redundancy);
                        });
     }
 }
@@ -259,73 +249,71 @@ TEST_CASE("pseudo-inverse is (27): the shortest vector of torques and of the rea
           "[double_support]")
 {
   oracle::Random random(406);
-  for_double_supports(
-      random,
-      [&](Case& now)
-      {
-        // the fixed foot's rows leave the equations by a basis of the motions that it allows
-        const Support& support = now.support();
-        const bool trailing = support.of(support.trailing()) == Contact::sole;
-        const bool leading = support.of(support.leading) == Contact::sole;
-        Eigen::MatrixXd N = Eigen::MatrixXd::Identity(9, 9);
-        std::vector<Side> counted{Side::left, Side::right};
-        if (trailing || leading)
-        {
-          const Side fixed = trailing ? support.trailing() : support.leading;
-          N = now.J(fixed).fullPivLu().kernel();
-          counted = {other(fixed)};
-        }
-        const auto system = [&](double torque_unit, const Eigen::Vector3d& reaction_units)
-        {
-          Eigen::MatrixXd A(N.cols(), 0);
-          const auto append = [&A](const Eigen::MatrixXd& columns)
-          {
-            A.conservativeResize(Eigen::NoChange, A.cols() + columns.cols());
-            A.rightCols(columns.cols()) = columns;
-          };
-          append(torque_unit * N.transpose() * now.B());
-          for (const Side side : counted)
-          {
-            const Eigen::MatrixXd J = now.J(side);
-            append(N.transpose() * J.transpose() * reaction_units.head(J.rows()).asDiagonal());
-          }
-          return A;
-        };
-        const Eigen::VectorXd rhs = N.transpose() * now.r();
-        const Eigen::VectorXd expected =
-            system(1.0, Eigen::Vector3d::Ones()).completeOrthogonalDecomposition().solve(rhs);
-        const TorqueSolution found = now.solution(Method::pseudo_inverse);
-        const double scale = expected.cwiseAbs().maxCoeff();
-        CHECK(mismatch(found.torque / scale, expected.head(6) / scale, 1e-9) == "");
-        Eigen::VectorXd lambda(0);
-        for (const Side side : counted)
-        {
-          const Eigen::Index components = now.J(side).rows();
-          lambda.conservativeResize(lambda.size() + components);
-          lambda.tail(components) = found.w.segment(support.row(side), components);
-        }
-        CHECK(mismatch(lambda / scale, expected.tail(lambda.size()) / scale, 1e-9) == "");
+  for_double_supports(random,
+                      [&](Case& now)
+                      {
+                        // the fixed foot's rows leave the equations by a basis of the motions that it allows
+                        const Support& support = now.support();
+                        const bool trailing = support.of(support.trailing()) == Contact::sole;
+                        const bool leading = support.of(support.leading) == Contact::sole;
+                        Eigen::MatrixXd N = Eigen::MatrixXd::Identity(9, 9);
+                        std::vector<Side> counted{Side::left, Side::right};
+                        if (trailing || leading)
+                        {
+                          const Side fixed = trailing ? support.trailing() : support.leading;
+                          N = oracle::kernel(now.J(fixed));
+                          counted = {other(fixed)};
+                        }
+                        const auto system = [&](double torque_unit, const Eigen::Vector3d& reaction_units)
+                        {
+                          Eigen::MatrixXd A(N.cols(), 0);
+                          const auto append = [&A](const Eigen::MatrixXd& columns)
+                          {
+                            A.conservativeResize(Eigen::NoChange, A.cols() + columns.cols());
+                            A.rightCols(columns.cols()) = columns;
+                          };
+                          append(torque_unit * N.transpose() * now.B());
+                          for (const Side side : counted)
+                          {
+                            const Eigen::MatrixXd J = now.J(side);
+                            append(N.transpose() * J.transpose() * reaction_units.head(J.rows()).asDiagonal());
+                          }
+                          return A;
+                        };
+                        const Eigen::VectorXd rhs = N.transpose() * now.r();
+                        const Eigen::VectorXd expected = oracle::solve(system(1.0, Eigen::Vector3d::Ones()), rhs);
+                        const TorqueSolution found = now.solution(Method::pseudo_inverse);
+                        const double scale = expected.cwiseAbs().maxCoeff();
+                        CHECK(mismatch(found.torque / scale, expected.head(6) / scale, 1e-9) == "");
+                        Eigen::VectorXd lambda(0);
+                        for (const Side side : counted)
+                        {
+                          const Eigen::Index components = now.J(side).rows();
+                          lambda.conservativeResize(lambda.size() + components);
+                          lambda.tail(components) = found.w.segment(support.row(side), components);
+                        }
+                        CHECK(mismatch(lambda / scale, expected.tail(lambda.size()) / scale, 1e-9) == "");
 
-        // shorter than any other admissible pair
-        const Eigen::VectorXd other_w = Eigen::VectorXd(found.w) + 10.0 * now.others().rowwise().sum();
-        Eigen::VectorXd other_lambda(0);
-        for (const Side side : counted)
-        {
-          const Eigen::Index components = now.J(side).rows();
-          other_lambda.conservativeResize(other_lambda.size() + components);
-          other_lambda.tail(components) = other_w.segment(support.row(side), components);
-        }
-        CHECK(found.torque.squaredNorm() + lambda.squaredNorm() <
-              now.torque(other_w).squaredNorm() + other_lambda.squaredNorm());
+                        // shorter than any other admissible pair
+                        const Eigen::VectorXd other_w = Eigen::VectorXd(found.w) + 10.0 * now.others().rowwise().sum();
+                        Eigen::VectorXd other_lambda(0);
+                        for (const Side side : counted)
+                        {
+                          const Eigen::Index components = now.J(side).rows();
+                          other_lambda.conservativeResize(other_lambda.size() + components);
+                          other_lambda.tail(components) = other_w.segment(support.row(side), components);
+                        }
+                        CHECK(found.torque.squaredNorm() + lambda.squaredNorm() <
+                              now.torque(other_w).squaredNorm() + other_lambda.squaredNorm());
 
-        // weights are units: torques in units of 1/√2 N m and so on
-        MethodSettings weighted;
-        weighted.pseudo_inverse.weights = 4.0 * Eigen::MatrixXd::Identity(6, 6);
-        weighted.pseudo_inverse.reaction_weights = {0.25, 4.0, 100.0};
-        const Eigen::VectorXd in_units = system(0.5, {2.0, 0.5, 0.1}).completeOrthogonalDecomposition().solve(rhs);
-        const TorqueSolution other_units = now.solution(Method::pseudo_inverse, weighted);
-        CHECK(mismatch(other_units.torque / scale, 0.5 * in_units.head(6) / scale, 1e-9) == "");
-      });
+                        // weights are units: torques in units of 1/√2 N m and so on
+                        MethodSettings weighted;
+                        weighted.pseudo_inverse.weights = 4.0 * Eigen::MatrixXd::Identity(6, 6);
+                        weighted.pseudo_inverse.reaction_weights = {0.25, 4.0, 100.0};
+                        const Eigen::VectorXd in_units = oracle::solve(system(0.5, {2.0, 0.5, 0.1}), rhs);
+                        const TorqueSolution other_units = now.solution(Method::pseudo_inverse, weighted);
+                        CHECK(mismatch(other_units.torque / scale, 0.5 * in_units.head(6) / scale, 1e-9) == "");
+                      });
 }
 
 TEST_CASE("on two soles pseudo-inverse depends on which foot is fixed, and least torque does not", "[double_support]")
@@ -394,11 +382,10 @@ TEST_CASE("procedure 1 is the least torque of all that serve the motion, for eve
             a1.conservativeResize(3, a1.cols() + 1);
             a1.rightCols<1>() << r.y(), -r.x(), 1.0;
           }
-        const Eigen::MatrixXd root = W.llt().matrixU();
-        const Eigen::MatrixXd N = a1.cols() == 0 ? Eigen::MatrixXd(Eigen::Matrix3d::Identity())
-                                                 : Eigen::MatrixXd(a1.transpose().fullPivLu().kernel());
-        const Eigen::Vector3d eta =
-            start.internal - N * (root * B1 * N).colPivHouseholderQr().solve(Eigen::VectorXd(root * b1));
+        const Eigen::MatrixXd root = oracle::upper_root(W);
+        const Eigen::MatrixXd N =
+            a1.cols() == 0 ? Eigen::MatrixXd(Eigen::Matrix3d::Identity()) : oracle::kernel(a1.transpose());
+        const Eigen::Vector3d eta = start.internal - N * oracle::solve(root * B1 * N, root * b1);
         // the linear transition may be far from there: between points that nearly stand above one another it needs
         // large internal forces, which cancel
         CHECK((carried(found, sigma).internal - eta).cwiseAbs().maxCoeff() < 1e-6 * unit);
@@ -504,8 +491,7 @@ TEST_CASE("procedures 3 and 4 are the linear transition, and a clamp changes the
                         CHECK((below - linear.w).cwiseAbs().maxCoeff() < 1e-10 * unit);
                         Eigen::Matrix<double, 3, 4> both;
                         both << Eigen::Matrix3d::Identity(), found.trunk;
-                        const Eigen::Vector4d least = both.completeOrthogonalDecomposition().solve(
-                            Eigen::Vector3d(x.internal + x.sigma * x.trunk));
+                        const Eigen::Vector4d least = oracle::solve(both, x.internal + x.sigma * x.trunk);
                         CHECK(mismatch(found.sigma, std::clamp(least(3), 0.0, 1.0), 1e-9) == "");
                         CHECK(internal.clamped == (least(3) < 0.0 || least(3) > 1.0));
                         CHECK((found.internal + found.sigma * found.trunk - least.head<3>() - least(3) * found.trunk)
@@ -555,7 +541,7 @@ TEST_CASE("the least torque is that of the motors, rotors and friction included"
                         Case without = now;
                         const Vector9 r = now.r();
                         // τ_f stands beside the torques that reach the links
-                        const VectorJ friction = now.B().colPivHouseholderQr().solve(Vector9(now.equations.r - r));
+                        const VectorJ friction = oracle::solve(now.B(), Vector9(now.equations.r - r));
                         CHECK(friction.cwiseAbs().minCoeff() > 0.0);
                         const Eigen::MatrixXd W = random_weights(random);
                         MethodSettings settings;
@@ -762,7 +748,7 @@ TEST_CASE("every robot that stands on two feet is served by every method, and le
             if (const Refusal* refusal = std::get_if<Refusal>(&solved))
             {
               // a foot of a made-up robot may hang on no joint that an internal wrench could load
-              const Eigen::VectorXd sizes = T.jacobiSvd().singularValues();
+              const Eigen::VectorXd sizes = oracle::singular_values(T);
               CHECK(refusal->reason() == Reason::numerical);
               CHECK((T.rows() < T.cols() || sizes.minCoeff() < 1e-8 * sizes.maxCoeff()));
               continue;

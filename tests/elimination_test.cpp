@@ -7,7 +7,6 @@
 #include "torque/elimination.h"
 #include "torque/regressor.h"
 
-#include <Eigen/Dense>
 #include <functional>
 
 using namespace torqued;
@@ -25,11 +24,6 @@ constexpr Coordinates kBoth[] = {Coordinates::absolute, Coordinates::relative};
 MatrixXd identity(Eigen::Index size)
 {
   return MatrixXd::Identity(size, size);
-}
-
-MatrixXd inverse(const MatrixXd& J)
-{
-  return J.completeOrthogonalDecomposition().pseudoInverse();
 }
 
 // v in the coordinates of EquationOfMotion
@@ -58,13 +52,13 @@ struct Moving
     const MatrixXd J = contact_rows(robot, kinematics(robot.mechanism, q, near), contacts).J;
     if (J.rows() > 0)
       for (int twice = 0; twice < 2; ++twice)
-        v_absolute -= J.completeOrthogonalDecomposition().solve(J * v_absolute);
+        v_absolute -= oracle::solve(J, J * v_absolute);
     v = in(coordinates, robot, v_absolute);
     equation = after(0.0);
     condition = 1.0;
     if (equation.J.rows() > 0)
     {
-      const VectorXd sigma = MatrixXd(equation.J).jacobiSvd().singularValues();
+      const VectorXd sigma = oracle::singular_values(equation.J);
       condition = sigma(0) / sigma(sigma.size() - 1);
     }
   }
@@ -123,14 +117,14 @@ void check_elimination(const Moving& now, EliminationMethod method)
 {
   const Elimination found = now.eliminated(method);
   const MatrixXd J = now.equation.J, Jdot = now.equation.Jdot, F = found.F, Fdot = found.Fdot, F_bar = found.F_bar;
-  const MatrixXd J_plus = J.rows() > 0 ? inverse(J) : MatrixXd(J.cols(), 0);
+  const MatrixXd J_plus = J.rows() > 0 ? oracle::pseudo_inverse(J) : MatrixXd(J.cols(), 0);
   const Eigen::Index n = J.cols(), n_c = J.rows();
   REQUIRE(F.cols() == n - n_c);
   // of numbers up to 3, in sums of ten, through a solution that magnifies by the condition of J
   const double rounding = 2e-14 * now.condition;
   CHECK(mismatch(J * F, MatrixXd::Zero(n_c, n - n_c), rounding) == "");
   CHECK(mismatch(J * F_bar, identity(n_c), rounding) == "");
-  CHECK(mismatch(F * inverse(F), identity(n) - J_plus * J, rounding) == "");
+  CHECK(mismatch(F * oracle::pseudo_inverse(F), identity(n) - J_plus * J, rounding) == "");
   // Jdot grows with the rates
   const double moving = rounding * now.condition * std::max(1.0, Jdot.size() > 0 ? Jdot.cwiseAbs().maxCoeff() : 0.0);
   CHECK(mismatch(Jdot * F + J * Fdot, MatrixXd::Zero(n_c, n - n_c), moving) == "");
@@ -163,7 +157,7 @@ void check_answers(const Moving& now, const VectorXd& torque)
   whole << equation.M, -equation.J.transpose(), equation.J, MatrixXd::Zero(n_c, n_c);
   VectorXd right(n + n_c);
   right << equation.B * torque - equation.h - equation.g, -equation.Jdot_v;
-  const VectorXd both = whole.fullPivLu().solve(right);
+  const VectorXd both = oracle::solve(whole, right);
   const VectorXd a = both.head(n), lambda = both.tail(n_c);
   // the conditions of J and, some 1e4, of M; the reduced rates are rounded like v
   const double rounding = 1e-11 * now.condition * now.condition;
@@ -173,10 +167,10 @@ void check_answers(const Moving& now, const VectorXd& torque)
     CAPTURE(name);
     const Elimination found = now.eliminated(method);
     const ReducedForm reduced = reduced_form(equation, found);
-    const VectorXd zdot = inverse(found.F) * now.v;
+    const VectorXd zdot = oracle::pseudo_inverse(found.F) * now.v;
     CHECK(mismatch(found.F * zdot, now.v, 1e-13 * now.condition) == "");
     const VectorXd zddot =
-        MatrixXd(reduced.mass).llt().solve(reduced.input * torque - reduced.gravity - reduced.coriolis * zdot);
+        oracle::solve(reduced.mass, reduced.input * torque - reduced.gravity - reduced.coriolis * zdot);
     const VectorXd found_a = found.F * zddot + found.Fdot * zdot;
     CHECK(mismatch(found_a, a, rounding) == "");
     EquationOfMotion moving = equation;
@@ -231,12 +225,12 @@ TEST_CASE("Ḟ is the derivative of an F that goes on smoothly", "[elimination]"
               const auto next = [&, method = method](const EquationOfMotion& at) -> MatrixXd
               {
                 if (method != EliminationMethod::partitioning)
-                  return found.F - inverse(at.J) * (at.J * found.F);
+                  return found.F - oracle::pseudo_inverse(at.J) * (at.J * found.F);
                 MatrixXd both = MatrixXd::Zero(at.n, at.n);
                 both.topRows(at.J.rows()) = at.J;
                 for (Eigen::Index i = 0; i < found.independent.size(); ++i)
                   both(at.J.rows() + i, found.independent(i)) = 1.0;
-                return both.inverse().rightCols(found.F.cols());
+                return oracle::pseudo_inverse(both).rightCols(found.F.cols());
               };
               CHECK(mismatch(found.Fdot, now.rate(next), 1e-11 * now.condition * now.condition) == "");
             }
@@ -257,7 +251,7 @@ TEST_CASE("the reduced mass is positive definite; its rate less twice the reduce
               const auto [F, Fdot, F_bar, independent] = now.eliminated(method);
               const ReducedForm reduced = reduced_form(now.equation, {F, Fdot, F_bar, independent});
               CHECK(mismatch(reduced.mass, reduced.mass.transpose(), 1e-13 * now.condition) == "");
-              CHECK(MatrixXd(reduced.mass).selfadjointView<Eigen::Lower>().eigenvalues()(0) > 0.0);
+              CHECK(oracle::eigenvalues(reduced.mass)(0) > 0.0);
               const MatrixXd C = reduced.coriolis;
               const MatrixXd rate = Fdot.transpose() * now.equation.M * F + F.transpose() * Mdot * F +
                                     F.transpose() * now.equation.M * Fdot;
@@ -296,7 +290,7 @@ TEST_CASE("the reduced equation is linear in the robot's base parameters", "[eli
           const Moving now(robot, on(Contact::sole, Contact::heel), coordinates, motion.X, motion.V);
           const Elimination found = now.eliminated(method);
           const ReducedForm reduced = reduced_form(now.equation, found);
-          const VectorXd zdot = inverse(found.F) * now.v;
+          const VectorXd zdot = oracle::pseudo_inverse(found.F) * now.v;
           const VectorXd zddot = VectorXd::Random(zdot.size());
           VectorXd a = found.F * zddot + found.Fdot * zdot;
           if (coordinates == Coordinates::relative)

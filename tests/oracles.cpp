@@ -1,6 +1,9 @@
 #include "oracles.h"
 
-#include <Eigen/Dense>
+#include "decompositions.h"
+
+#include <Eigen/Geometry>
+#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 #include <complex>
@@ -915,15 +918,14 @@ Motion random_consistent_motion(Random& random, const Biped& biped, Contact left
     J.bottomRows(rows.rows()) = rows;
   }
   // the nearest rates, then the nearest accelerations, that keep the contacts
-  const auto decomposition = J.completeOrthogonalDecomposition();
-  motion.V -= decomposition.solve(J * motion.V);
+  motion.V -= solve(J, J * motion.V);
   for (const Side side : kSides)
   {
     const Eigen::VectorXd rows = biped.Jdot_V(side, contact[static_cast<int>(side)], motion.X, motion.V);
     Jdot_V.conservativeResize(Jdot_V.size() + rows.size());
     Jdot_V.tail(rows.size()) = rows;
   }
-  motion.A -= decomposition.solve(J * motion.A + Jdot_V);
+  motion.A -= solve(J, J * motion.A + Jdot_V);
   return motion;
 }
 

@@ -338,7 +338,7 @@ TEST_CASE("the projection is the nearest motion that keeps the contacts, for eve
         const Vector9 scale = (Vector9() << Eigen::Matrix<double, 7, 1>::Constant(length), 1.0, 1.0).finished();
         Eigen::MatrixXd J(desired.support.wrench_components(), 9);
         J << biped.J(Side::left, left, after.motion.X), biped.J(Side::right, right, after.motion.X);
-        const Eigen::MatrixXd free = (J * scale.cwiseInverse().asDiagonal()).fullPivLu().kernel();
+        const Eigen::MatrixXd free = oracle::kernel(J * scale.cwiseInverse().asDiagonal());
         const auto orthogonal = [&](const Vector9& change)
         {
           return (free.transpose() * scale.cwiseProduct(change)).cwiseAbs().maxCoeff();

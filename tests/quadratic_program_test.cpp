@@ -1,10 +1,11 @@
 #include "catch.h"
+#include "decompositions.h"
 #include "matchers.h"
 #include "oracles.h"
 
 #include "torque/quadratic_program.h"
 
-#include <Eigen/Dense>
+#include <Eigen/LU>
 
 using namespace torqued;
 using enum QuadraticProgramStatus;
@@ -42,7 +43,7 @@ Eigen::MatrixXd positive(oracle::Random& random, int n, double condition = 1.0)
   Eigen::MatrixXd M(n, n);
   for (int i = 0; i < n; ++i)
     M.col(i) = vector(random, n);
-  const Eigen::MatrixXd Q = Eigen::HouseholderQR<Eigen::MatrixXd>(M).householderQ();
+  const Eigen::MatrixXd Q = oracle::orthogonal(M);
   Eigen::VectorXd eigenvalues = vector(random, n, 0.1, 10.0);
   if (n > 0)
     eigenvalues(0) /= condition;

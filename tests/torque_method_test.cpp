@@ -1,10 +1,9 @@
 #include "catch.h"
+#include "decompositions.h"
 #include "matchers.h"
 #include "states.h"
 
 #include "torque/checks.h"
-
-#include <Eigen/Dense>
 
 using namespace torqued;
 
@@ -46,7 +45,7 @@ Eigen::VectorXd closed_form(const oracle::Biped& ck, const oracle::Motion& motio
   const Eigen::MatrixXd J = ck.J(side, contact, motion.X);
   Eigen::MatrixXd system(9, 6 + J.rows());
   system << ck.B(), J.transpose();
-  return system.colPivHouseholderQr().solve(ck.D(motion.X) * motion.A + ck.H(motion.X, motion.V) + ck.Q(motion.X));
+  return oracle::solve(system, ck.D(motion.X) * motion.A + ck.H(motion.X, motion.V) + ck.Q(motion.X));
 }
 
 std::pair<Contact, Contact> contacts(Side side, Contact contact)
@@ -167,7 +166,7 @@ TEST_CASE("flight is answered when ballistic, and refused when not", "[torque_me
     Eigen::Matrix3d slope;
     for (int k = 0; k < 3; ++k)
       slope.col(k) = outside(Eigen::Vector3d::Unit(k)) - offset;
-    motion.A.tail<3>() = slope.partialPivLu().solve(-offset);
+    motion.A.tail<3>() = oracle::solve(slope, -offset);
 
     const TorqueSolution found = solution(robot, oracle::desired_state(motion, Contact::none, Contact::none));
     const oracle::Vector9 r = ck.D(motion.X) * motion.A + ck.H(motion.X, motion.V) + ck.Q(motion.X);

@@ -126,9 +126,8 @@ Elimination with_F(const Jacobian& J, EliminationMethod method)
 // smallest singular value of J over its largest; near the limit, from squares, to six digits
 double independence(const Jacobian& J)
 {
-  const Bounded<6, 6> JJt = J * J.transpose();
-  const BoundedVector<6> squares =
-      Eigen::SelfAdjointEigenSolver<Bounded<6, 6>>(JJt, Eigen::EigenvaluesOnly).eigenvalues();
+  const MatrixQ JJt = J * J.transpose();
+  const VectorQ squares = Eigen::SelfAdjointEigenSolver<MatrixQ>(JJt, Eigen::EigenvaluesOnly).eigenvalues();
   return std::sqrt(std::max(0.0, squares(0)) / squares(squares.size() - 1));
 }
 

@@ -12,6 +12,7 @@
 #include "planar/dynamics.h"
 #include "torque/elimination.h"
 
+#include <Eigen/Cholesky>
 #include <algorithm>
 #include <benchmark/benchmark.h>
 #include <chrono>
