@@ -52,11 +52,6 @@ MatrixXd upper_root(const MatrixXd& A)
   return A.llt().matrixU();
 }
 
-MatrixXd inverse_root(const MatrixXd& A)
-{
-  return Eigen::SelfAdjointEigenSolver<MatrixXd>(A).operatorInverseSqrt();
-}
-
 MatrixXd orthogonal(const MatrixXd& A)
 {
   return Eigen::HouseholderQR<MatrixXd>(A).householderQ();

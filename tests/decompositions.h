@@ -31,9 +31,6 @@ Eigen::VectorXd eigenvalues(const Eigen::MatrixXd& A);
 /// Of a symmetric positive definite matrix: U, upper triangular, with A = Uᵀ U.
 Eigen::MatrixXd upper_root(const Eigen::MatrixXd& A);
 
-/// Of a symmetric positive definite matrix: the symmetric A^(−1/2).
-Eigen::MatrixXd inverse_root(const Eigen::MatrixXd& A);
-
 /// Orthogonal columns that span what those of A span.
 Eigen::MatrixXd orthogonal(const Eigen::MatrixXd& A);
 

@@ -100,6 +100,9 @@ TEST_CASE("each contact pair leaves as many reactions free as counting says, and
                            CHECK(all.redundancy == 6 - (9 - n_w));
 
                          CHECK(mismatch(G * all.Z(), Eigen::MatrixXd::Zero(3, all.redundancy), 1e-13) == "");
+                         CHECK(all.rows.topRightCorner(n_w, 3 - all.redundancy).isZero(0.0));
+                         if (n_w % 2 == 1)
+                           CHECK(all.rows.row(n_w).isZero(0.0));
                          CHECK(mismatch(G * all.w0() + all.unmet, now.d(), 1e-12) == "");
                          if (rank == 3)
                            CHECK(all.unmet == Eigen::Vector3d::Zero());

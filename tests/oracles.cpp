@@ -3,7 +3,6 @@
 #include "decompositions.h"
 
 #include <Eigen/Geometry>
-#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 #include <complex>

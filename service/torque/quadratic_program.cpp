@@ -87,9 +87,9 @@ struct Program
 //
 // With H = L D Lᵀ it is the least squares of C y − c, weighted by D and 1, the rows of C being Lᵀ and a_iᵀ of the soft
 // rows, c = (−D⁻¹ L⁻¹ g, b_i). The hard normals are N = Y R, Y's columns orthogonal and R unit upper triangular, with Z
-// what is orthogonal to them: y = Y |Y|⁻² R⁻ᵀ b + Z z meets the hard rows to rounding, however badly H may be
-// conditioned; with three of them H does not matter to y. C Z = Q U, with Q's columns orthogonal and U unit upper
-// triangular, by modified Gram-Schmidt.
+// what is orthogonal to them, of any length: y = Y |Y|⁻² R⁻ᵀ b + Z z meets the hard rows to rounding, however badly H
+// may be conditioned; with three of them H does not matter to y. C Z = Q U, with Q's columns orthogonal and U unit
+// upper triangular, by modified Gram-Schmidt.
 class Equalities
 {
 public:
