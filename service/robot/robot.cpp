@@ -320,18 +320,17 @@ private:
     const Bounded<kMaxJoints, kMaxDirections> torques_of_moments =
         robot.B_inverse.topLeftCorner(n, size) * robot.mechanism.W().transpose();
     for (Foot& foot : robot.feet)
-    {
-      const auto share = [&](std::size_t moment, int direction)
+      for (int joint = 0; joint < n && foot.exists(); ++joint)
       {
-        for (int joint = 0; joint < n; ++joint)
+        const auto share = [&](std::size_t moment, int direction)
+        {
           if (const double entry = torques_of_moments(joint, direction); entry != 0.0)
-            foot.torque_shares.push_back({static_cast<int>(moment), joint, entry});
-      };
-      for (std::size_t i = 0; i < foot.ankle.size(); ++i)
-        share(i, foot.ankle[i].direction);
-      if (foot.exists())
+            foot.torque_shares.push_back({joint, static_cast<int>(moment), entry});
+        };
+        for (std::size_t i = 0; i < foot.ankle.size(); ++i)
+          share(i, foot.ankle[i].direction);
         share(foot.ankle.size(), foot.direction);
-    }
+      }
     for (const Actuator& motor : robot.actuators)
       for (const double number :
            {motor.rotor_inertia, motor.coulomb, motor.viscous, motor.stribeck, motor.friction_offset})

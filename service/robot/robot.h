@@ -137,8 +137,8 @@ struct Foot
   /// The torque of a motor for each N m about a direction, an entry of B⁺ Wᵀ.
   struct TorqueShare
   {
-    int moment; ///< whose direction it is: the index of an arm of the ankle; after the last, the foot
     int joint;
+    int moment; ///< whose direction it is: the index of an arm of the ankle; after the last, the foot
     double size;
   };
 
@@ -152,7 +152,7 @@ struct Foot
   int direction = -1;     ///< the link's
   /// Heel and toe from the ankle, in the frame of the direction, m.
   Eigen::Vector2d to_heel = Eigen::Vector2d::Zero(), to_toe = to_heel;
-  std::vector<TorqueShare> torque_shares = {}; ///< all that are not 0
+  std::vector<TorqueShare> torque_shares = {}; ///< all that are not 0, joint by joint
 
   bool exists() const { return link >= 0; }
   bool has_extent() const { return heel_at != toe_at; }

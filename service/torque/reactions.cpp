@@ -117,8 +117,16 @@ ReactionTorques reaction_torques(const Robot& robot, const SupportEquations& equ
     for (std::size_t i = 0; i < arms; ++i)
       moments[i] = moment_at(standing.arms.col(static_cast<int>(i)));
     moments[arms] = contact == Contact::sole ? all.row(row + 2) : moment_at(standing.point - standing.ankle);
-    for (const Foot::TorqueShare& share : robot.foot(side).torque_shares)
-      given[static_cast<std::size_t>(share.joint)] -= share.size * moments[static_cast<std::size_t>(share.moment)];
+    // a joint's sum in registers: memory would wait for each of its parts
+    const std::vector<Foot::TorqueShare>& shares = robot.foot(side).torque_shares;
+    for (auto share = shares.begin(); share != shares.end();)
+    {
+      const int joint = share->joint;
+      Columns sum = given[static_cast<std::size_t>(joint)];
+      for (; share != shares.end() && share->joint == joint; ++share)
+        sum -= share->size * moments[static_cast<std::size_t>(share->moment)];
+      given[static_cast<std::size_t>(joint)] = sum;
+    }
   }
 
   // τ0 and T, two joints at a time, and three columns, whatever their number: the storage goes on
