@@ -566,6 +566,19 @@ TEST_CASE("what has no minimum is not solved", "[quadratic_program]")
   CHECK(status_with(H) == not_solved);
   H << 1.0, 2.0, 2.0, 1.0;
   CHECK(status_with(H) == not_solved);
+
+  // two directions in which it falls: the determinant is positive
+  H << -1.0, 0.0, 0.0, -1.0;
+  CHECK(status_with(H) == not_solved);
+  const auto status_of_three = [](double diagonal, double others)
+  {
+    Eigen::Matrix3d all = Eigen::Matrix3d::Constant(others);
+    all.diagonal().setConstant(diagonal);
+    return solve(program_of(all, Eigen::Vector3d(-2.0, 0.5, 1.0), RowList())).status;
+  };
+  CHECK(status_of_three(1.0, 0.9) == optimal);
+  CHECK(status_of_three(1.0, 1.1) == not_solved);
+  CHECK(status_of_three(1.0, 3.0) == not_solved);
 }
 
 TEST_CASE("what is not finite is not solved", "[quadratic_program]")
@@ -575,7 +588,9 @@ TEST_CASE("what is not finite is not solved", "[quadratic_program]")
   rows.add(Eigen::Vector2d(0.0, 1.0), -1.0);
   rows.add(Eigen::Vector2d(1.0, 1.0), 3.0); // not active
   QuadraticProgram program = program_of(Eigen::Matrix2d::Identity(), Eigen::Vector2d(-2.0, 0.5), rows);
-  program.rows.soft[1] = true;
+  const bool soft = GENERATE(false, true);
+  program.rows.soft[1] = soft;
+  CAPTURE(soft);
   REQUIRE(solve(program).status == optimal);
   REQUIRE(least_violation(program.rows, program.g).status == optimal);
   const auto check = [&program](double& entry, bool of_rows)

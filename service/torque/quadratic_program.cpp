@@ -1,8 +1,10 @@
 #include "torque/quadratic_program.h"
 
+#include "planar/processors.h"
 #include "torque/least_squares.h"
 
 #include <Eigen/Geometry>
+#include <Eigen/LU>
 #include <algorithm>
 #include <array>
 #include <bit>
@@ -25,6 +27,8 @@ using PerRow = std::array<double, kMaxRows>;
 
 // Relative to the terms that it is the difference of, what is less than this is rounding.
 constexpr double kRounding = 1e-12;
+// What is no smaller, relative to that, costs no more than some three digits.
+constexpr double kWell = 1e-3;
 constexpr double kEpsilon = std::numeric_limits<double>::epsilon();
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
@@ -34,43 +38,47 @@ template <typename Function> void for_each(const RowSet& rows, const Function& f
     function(std::countr_zero(left));
 }
 
-// A program of three variables: those that it lacks have H = 1, g = 0 and no part in any row, and stay 0. A and b by
-// columns, so that the compiler does several rows at once.
+// A program of three variables: those that it lacks have H = 1, g = 0 and no part in any row, and stay 0. A by columns,
+// so that the compiler does several rows at once. A and b are those that were given, where they are.
 struct Program
 {
-  int size; // rows
+  int size;          // rows
+  int variables = 0; // that it has
   Matrix H = Matrix::Identity();
   Vector g = Vector::Zero();
-  double H_squared = 0.0;                     // |H|², without what was added
-  std::array<const double*, kMaxVariables> A; // columns, of the rows that were given
-  PerRow b, squared;                          // squared: |a_i|²
+  double H_squared = 0.0; // |H|², without what was added
+  std::array<const double*, kMaxVariables> A;
+  const double* b;
   RowSet soft;
 
-  explicit Program(const Rows& rows) : size(rows.size()), soft(rows.soft)
+  explicit Program(const Rows& rows) : size(rows.size()), b(rows.b.data()), soft(rows.soft)
   {
     static constexpr PerRow zeros{};
     for (int k = 0; k < kMaxVariables; ++k)
       A[k] = k < rows.A.cols() ? rows.A.col(k).data() : zeros.data();
-    all(b) = rows.b.array();
-    all(squared) = all(A[0]).square() + all(A[1]).square() + all(A[2]).square();
   }
   explicit Program(const QuadraticProgram& program) : Program(program.rows)
   {
-    const Eigen::Index n = program.g.size();
-    for (Eigen::Index j = 0; j < n; ++j)
-    {
-      g(j) = program.g(j);
-      for (Eigen::Index i = 0; i < n; ++i)
-        H(i, j) = program.H(i, j);
-    }
-    H_squared = program.H.squaredNorm();
+    variables = static_cast<int>(program.g.size());
+    // entry by entry, of numbers that the compiler knows: what calls copy, later loads wait for
+    for (int j = 0; j < kMaxVariables; ++j)
+      for (int i = 0; i < kMaxVariables; ++i)
+        if (i < variables && j < variables)
+        {
+          H(i, j) = program.H(i, j);
+          H_squared += H(i, j) * H(i, j);
+        }
+    for (int i = 0; i < kMaxVariables; ++i)
+      if (i < variables)
+        g(i) = program.g(i);
   }
 
   // one number of each row, as an array
-  Eigen::Map<Eigen::ArrayXd> all(PerRow& x) const { return {x.data(), size}; }
-  Eigen::Map<const Eigen::ArrayXd> all(const PerRow& x) const { return all(x.data()); }
+  Eigen::Map<Eigen::ArrayXd> all(double* x) const { return {x, size}; }
   Eigen::Map<const Eigen::ArrayXd> all(const double* x) const { return {x, size}; }
   Vector a(int i) const { return {A[0][i], A[1][i], A[2][i]}; }
+  // |a_i|²
+  double squared(int i) const { return A[0][i] * A[0][i] + A[1][i] * A[1][i] + A[2][i] * A[2][i]; }
   // a_i·y
   double along(int i, const Vector& y) const { return A[0][i] * y(0) + A[1][i] * y(1) + A[2][i] * y(2); }
   // of row i, as if it were hard
@@ -78,9 +86,42 @@ struct Program
   // what a violation is measured against; y_squared: |y|²
   double scale_squared(int i, double y_squared) const
   {
-    return std::max(squared[i] * y_squared, std::max(b[i] * b[i], 1.0));
+    return std::max(squared(i) * y_squared, std::max(b[i] * b[i], 1.0));
   }
   double scale(int i, double y_squared) const { return std::sqrt(scale_squared(i, y_squared)); }
+
+  static constexpr int kNone = -1, kNotFinite = -2;
+  // The row outside the working set that is violated most; kNotFinite if the square of some violation is not.
+  int most_violated(const Vector& y, const RowSet& active) const
+  {
+    // by squares, because roots and quotients take longer than all else here
+    const double y_squared = y.squaredNorm();
+    PerRow lacks;
+    all(lacks.data()) = all(A[0]) * y(0) + all(A[1]) * y(1) + all(A[2]) * y(2) - all(b);
+    double sum = all(lacks.data()).square().sum();
+    int worst = kNone;
+    double most = kRowTolerance * kRowTolerance;
+    for (int i = 0; i < size; ++i)
+      if (lacks[i] > 0.0)
+      {
+        const double scale = scale_squared(i, y_squared), squared = lacks[i] * lacks[i];
+        sum += scale;
+        if (squared > most * scale && !active[i])
+        {
+          worst = i;
+          most = squared / scale;
+        }
+      }
+    return std::isfinite(sum) ? worst : kNotFinite;
+  }
+  // finite if all numbers are and their squares, too
+  double sum_of_squares() const
+  {
+    double sum = H.squaredNorm() + g.squaredNorm() + all(b).square().sum();
+    for (const double* column : A)
+      sum += all(column).square().sum();
+    return sum;
+  }
 };
 
 // The program with the rows of a working set as equalities: a_i·y = b_i of a hard row, = b_i + λ_i of a soft one.
@@ -110,7 +151,7 @@ public:
     for (int k = 0; k < hard_; ++k)
     {
       Vector rest = program_.a(row_[k]);
-      double squared = program_.squared[row_[k]];
+      double squared = program_.squared(row_[k]);
       R_.col(k).setZero();
       for (int times = 0; times < 2 && k > 0; ++times)
       {
@@ -169,11 +210,11 @@ public:
 
   // minimises ½ yᵀ H y + gᵀ y + ½ Σ λ_i² of the soft rows. b: of the rows; zeros if there is none; lambda: by the rows'
   // places in the set
-  void minimum(const Vector& g, const PerRow* b, Vector& y, PerRow& lambda) const
+  void minimum(const Vector& g, const double* b, Vector& y, PerRow& lambda) const
   {
     const auto bound = [&](int place)
     {
-      return b ? (*b)[row_[place]] : 0.0;
+      return b ? b[row_[place]] : 0.0;
     };
     if (rows_ == 0)
     {
@@ -245,9 +286,9 @@ public:
     // what the hard rows can take over of the normal; what is left of it beyond rounding is independent of them
     take_over(a, change);
     std::fill(change.begin() + hard_, change.begin() + rows_, 0.0);
-    double scale_squared = program_.squared[p];
+    double scale_squared = program_.squared(p);
     for (int k = 0; k < hard_; ++k)
-      scale_squared += change[k] * change[k] * program_.squared[row_[k]];
+      scale_squared += change[k] * change[k] * program_.squared(row_[k]);
     if (free_squared > kRounding * kRounding * scale_squared)
     {
       Vector y;
@@ -331,7 +372,7 @@ void residuals(const Program& program, const Vector& y, const PerRow& lambda, co
            {
              largest = std::max(largest, square(lambda[i]));
              forces += lambda[i] * program.a(i);
-             force_squared = std::max(force_squared, square(lambda[i]) * program.squared[i]);
+             force_squared = std::max(force_squared, square(lambda[i]) * program.squared(i));
            });
   see(&KktResiduals::stationarity, forces.squaredNorm(), force_squared);
   for_each(rows,
@@ -365,24 +406,26 @@ class DualMethod
 public:
   /// Rows of the program that contradict one another by no more than rounding are relaxed by as much.
   /// active: a working set to begin with, as another run has left it.
-  explicit DualMethod(Program& program, const RowSet& active = {})
-      : program_(program), active_(active), equalities_(program, factors_)
+  DualMethod(const Program& program, const RowSet& active)
+      : program_(program), active_(active), equalities_(program_, factors_)
   {
   }
 
   QuadraticProgramStatus run()
   {
     using enum QuadraticProgramStatus;
-    if (!is_finite() || !factors_.factorize(program_.H, kRounding))
+    const double squares = program_.sum_of_squares();
+    if (!std::isfinite(squares) || !factors_.factorize(program_.H, kRounding))
       return not_solved;
     std::fill_n(lambda_.begin(), program_.size, 0.0);
     equalities_.set(active_);
     settle();
-    for (int p; (p = most_violated()) >= 0;)
-      if (const QuadraticProgramStatus status = meet(p); status != optimal)
+    for (int p; (p = program_.most_violated(y_, active_)) != Program::kNone;)
+      if (const QuadraticProgramStatus status = p < 0 ? not_solved : meet(p); status != optimal)
         return status;
     // the rows beyond the working set are met, or one of them would be the most violated; if no square overflowed
-    return std::isfinite(size_ * y_.squaredNorm()) && is_optimal(program_, y_, lambda_, active_) ? optimal : not_solved;
+    return std::isfinite(squares * y_.squaredNorm()) && is_optimal(program_, y_, lambda_, active_) ? optimal
+                                                                                                   : not_solved;
   }
 
   const Vector& y() const { return y_; }
@@ -399,13 +442,6 @@ private:
     int row = -1;
     double t = kInfinity;
   };
-
-  bool is_finite()
-  {
-    size_ = program_.H.squaredNorm() + program_.g.squaredNorm();
-    size_ += (program_.all(program_.squared) + program_.all(program_.b).square()).sum();
-    return std::isfinite(size_);
-  }
 
   // Lets λ_p grow until row p is met, and drops each row whose multiplier comes to zero before.
   QuadraticProgramStatus meet(int p)
@@ -449,28 +485,6 @@ private:
     return optimal;
   }
 
-  // The inactive row that is violated most, if any is.
-  int most_violated() const
-  {
-    // by squares, because roots and quotients take longer than all else here
-    const double y_squared = y_.squaredNorm();
-    PerRow lacks;
-    const auto& [A0, A1, A2] = program_.A;
-    program_.all(lacks) =
-        program_.all(A0) * y_(0) + program_.all(A1) * y_(1) + program_.all(A2) * y_(2) - program_.all(program_.b);
-    int worst = -1;
-    double most = kRowTolerance * kRowTolerance;
-    for (int i = 0; i < program_.size; ++i)
-      if (lacks[i] > 0.0)
-        if (const double scale = program_.scale_squared(i, y_squared);
-            lacks[i] * lacks[i] > most * scale && !active_[i])
-        {
-          worst = i;
-          most = lacks[i] * lacks[i] / scale;
-        }
-    return worst;
-  }
-
   // Of several rows the one that falls fastest, so that what stays in the working set is as independent as can be.
   // p: whose multiplier grows meanwhile.
   Block first_block(const PerRow& change, int p) const
@@ -478,9 +492,9 @@ private:
     // by squares, as in residuals()
     const auto moves = [&](int place)
     {
-      return change[place] * change[place] * program_.squared[equalities_.row(place)];
+      return change[place] * change[place] * program_.squared(equalities_.row(place));
     };
-    double least = program_.squared[p], largest = 0.0;
+    double least = program_.squared(p), largest = 0.0;
     for (int k = 0; k < equalities_.size(); ++k)
     {
       least = std::max(least, moves(k));
@@ -521,12 +535,16 @@ private:
     const double share = lacks / scale;
     if (share > tolerance)
       return false;
-    relaxed_ = true;
+    if (!std::exchange(relaxed_, true))
+    {
+      std::copy_n(program_.b, program_.size, granted_.begin());
+      program_.b = granted_.data();
+    }
     const double grant = std::max(2.0 * share, 4.0 * kEpsilon);
-    program_.b[p] += grant * program_.scale(p, y_squared);
+    granted_[p] += grant * program_.scale(p, y_squared);
     for (int k = 0; k < equalities_.size(); ++k)
       if (const int i = equalities_.row(k); change[k] > 0.0)
-        program_.b[i] += grant * program_.scale(i, y_squared);
+        granted_[i] += grant * program_.scale(i, y_squared);
     return true;
   }
 
@@ -539,7 +557,7 @@ private:
       // by squares, as in residuals()
       const auto pull = [&](int i)
       {
-        return lambda_[i] * lambda_[i] * program_.squared[i];
+        return lambda_[i] * lambda_[i] * program_.squared(i);
       };
       double largest = std::max({program_.H_squared * y_.squaredNorm(), program_.g.squaredNorm(), 1.0});
       for (int k = 0; k < equalities_.size(); ++k)
@@ -564,7 +582,7 @@ private:
   void solve_equalities(const Vector& g)
   {
     PerRow lambda;
-    equalities_.minimum(g, &program_.b, y_, lambda);
+    equalities_.minimum(g, program_.b, y_, lambda);
     for (int k = 0; k < equalities_.size(); ++k)
       lambda_[equalities_.row(k)] = lambda[k];
   }
@@ -574,16 +592,195 @@ private:
       lambda_[equalities_.row(k)] = std::max(lambda_[equalities_.row(k)], 0.0);
   }
 
-  Program& program_;
+  Program program_;
+  PerRow granted_; // b once rows are relaxed
   Ldlt3 factors_;
   RowSet active_;
   Equalities equalities_; // of the working set
   Vector y_;
   PerRow lambda_;
-  double size_ = 0.0; // of all numbers, squared
   int steps_ = 0;
   bool relaxed_ = false;
 };
+
+// The same method for hard rows by the inverses of H and of the Schur complement S = N H⁻¹ Nᵀ, N the rows of the
+// working set: much shorter, and as good where neither costs more than some three digits. It gives up where one does,
+// and where it finds no way on. S⁻¹ is bordered by what a row adds: with c = −S⁻¹ N H⁻¹ a_p and s what p's violation
+// shrinks by, both per λ_p, it is S⁻¹ + c cᵀ / s, c / s, and 1 / s.
+//
+// The working set has three places; what stands for one that is empty is 0. A fourth makes pairs of all numbers, which
+// are stored as they are read: a number alone that was just written makes the pair wait.
+class SchurMethod
+{
+public:
+  explicit SchurMethod(const Program& program) : program_(program) {}
+
+  /// optimal, infeasible, or not_solved: then active() is a working set to go on from.
+  QuadraticProgramStatus run()
+  {
+    using enum QuadraticProgramStatus;
+    if (!invert())
+      return not_solved;
+    y_ = -(H_inverse_ * program_.g);
+    for (int p; (p = program_.most_violated(y_, active_)) != Program::kNone;)
+      if (const QuadraticProgramStatus status = p < 0 ? not_solved : meet(p); status != optimal)
+        return status;
+    std::fill_n(lambda_of_rows_.begin(), program_.size, 0.0);
+    for (int k = 0; k < 3; ++k)
+      if (row_[k] >= 0)
+        lambda_of_rows_[row_[k]] = lambda_(k);
+    return is_optimal(program_, y_, lambda_of_rows_, active_) ? optimal : not_solved;
+  }
+
+  const Vector& y() const { return y_; }
+  const PerRow& lambda() const { return lambda_of_rows_; }
+  int steps() const { return steps_; }
+  const RowSet& active() const { return active_; }
+
+private:
+  // a number for each place
+  using Places = Eigen::Vector4d;
+
+  // whether H is positive definite, and no pivot of H = L D Lᵀ small against its entry of the diagonal
+  bool invert()
+  {
+    const Matrix& H = program_.H;
+    bool invertible;
+    double determinant;
+    H.computeInverseAndDetWithCheck(H_inverse_, determinant, invertible, 0.0);
+    const double minor = H(0, 0) * H(1, 1) - H(1, 0) * H(1, 0);
+    return H(0, 0) > 0.0 && minor > kWell * H(0, 0) * H(1, 1) && determinant > kWell * minor * H(2, 2);
+  }
+
+  // Lets λ_p grow until row p is met, and drops each row whose multiplier comes to zero before.
+  QuadraticProgramStatus meet(int p)
+  {
+    using enum QuadraticProgramStatus;
+    const Vector h = H_inverse_ * program_.a(p);
+    const double own = program_.along(p, h);
+    for (double lambda_p = 0.0;;)
+    {
+      if (++steps_ > kMaxSteps)
+        return not_solved;
+      // as λ_p grows by 1, how the multipliers change, how y moves, and how fast p's violation shrinks
+      const Places shared = of_rows([&](int row) { return program_.along(row, h); });
+      const Places change = -(S_inverse_ * shared);
+      const double closing = own + shared.dot(change);
+      const bool independent = size_ < program_.variables;
+      if (independent && !(closing > kWell * own))
+        return not_solved;
+      const double per_closing = 1.0 / closing;
+      double t = independent ? program_.violation(p, y_) * per_closing : kInfinity;
+      int blocking = -1;
+      for (int k = 0; k < 3; ++k)
+        if (change(k) < 0.0 && lambda_(k) < -change(k) * t &&
+            is_more_than_rounding(change(k), row_[k], program_.squared(p)))
+        {
+          t = -lambda_(k) / change(k);
+          blocking = k;
+        }
+      if (t == kInfinity) // a_p = −Σ change_k a_k of the set, change ≥ 0: no y meets them all
+        return is_contradiction(p, change) ? infeasible : not_solved;
+
+      lambda_ += t * change;
+      lambda_p += t;
+      if (independent)
+        y_ -= t * (h + moved_by(change));
+      if (blocking < 0)
+      {
+        add(p, h, lambda_p, change, per_closing);
+        refine();
+        for (int k = 0; k < 3; ++k)
+          if (lambda_(k) < 0.0 && is_more_than_rounding(lambda_(k), row_[k], std::max(program_.g.squaredNorm(), 1.0)))
+            return not_solved;
+        lambda_ = lambda_.cwiseMax(0.0);
+        return optimal;
+      }
+      drop(blocking);
+    }
+  }
+
+  // of a row's multiplier, or its change; against: the square of what the forces are measured against
+  bool is_more_than_rounding(double lambda, int row, double against) const
+  {
+    return lambda * lambda * program_.squared(row) > kRounding * kRounding * against;
+  }
+
+  // whether row p lacks far more than what rounding of rows that add up to it accounts for
+  bool is_contradiction(int p, const Places& change) const
+  {
+    const double y_squared = y_.squaredNorm();
+    const Places scales = of_rows([&](int row) { return program_.scale(row, y_squared); });
+    return program_.violation(p, y_) > 1e5 * kRowTolerance * (program_.scale(p, y_squared) + change.dot(scales));
+  }
+
+  // S⁻¹ with one row and column more
+  void add(int p, const Vector& h, double lambda, const Places& change, double per_closing)
+  {
+    const int place = row_[0] < 0 ? 0 : row_[1] < 0 ? 1 : 2;
+    const Places both = change + unit(place);
+    S_inverse_ += per_closing * both * both.transpose();
+    lambda_ += lambda * unit(place);
+    row_[place] = p;
+    h_[place] = h;
+    active_.set(p);
+    ++size_;
+  }
+  // and with one less
+  void drop(int place)
+  {
+    const Places column = S_inverse_.col(place), others = Places::Ones() - unit(place);
+    S_inverse_ -= column * column.transpose() / S_inverse_(place, place);
+    S_inverse_ = others.asDiagonal() * S_inverse_ * others.asDiagonal();
+    lambda_ = lambda_.cwiseProduct(others);
+    active_.reset(row_[place]);
+    row_[place] = -1;
+    --size_;
+  }
+
+  // takes away what rounding has left of the working set's violations
+  void refine()
+  {
+    const Places more = S_inverse_ * of_rows([&](int row) { return program_.violation(row, y_); });
+    lambda_ += more;
+    y_ -= moved_by(more);
+  }
+
+  template <typename Function> Places of_rows(const Function& function) const
+  {
+    const auto at = [&](int place)
+    {
+      return row_[place] >= 0 ? function(row_[place]) : 0.0;
+    };
+    return {at(0), at(1), at(2), 0.0};
+  }
+  // H⁻¹ Nᵀ change
+  Vector moved_by(const Places& change) const { return change(0) * h_[0] + change(1) * h_[1] + change(2) * h_[2]; }
+  static Places unit(int place)
+  {
+    static constexpr std::array<std::array<double, 4>, 3> all{{{1.0, 0.0, 0.0}, {0.0, 1.0, 0.0}, {0.0, 0.0, 1.0}}};
+    return Places(all[place].data());
+  }
+
+  const Program& program_;
+  Matrix H_inverse_;
+  Vector y_;
+  RowSet active_;
+  int size_ = 0; // rows of the working set
+  std::array<int, 3> row_{-1, -1, -1};
+  std::array<Vector, 3> h_{Vector::Zero(), Vector::Zero(), Vector::Zero()}; // H⁻¹ a; of no consequence if empty
+  Eigen::Matrix4d S_inverse_ = Eigen::Matrix4d::Zero();
+  Places lambda_ = Places::Zero();
+  PerRow lambda_of_rows_;
+  int steps_ = 0;
+};
+
+// SchurMethod::run() for several processors
+TORQUED_FOR_PROCESSORS
+QuadraticProgramStatus run(SchurMethod& method)
+{
+  return method.run();
+}
 
 // y and λ in the form of the interface
 QuadraticProgramSolution optimum(Eigen::Index n, int rows, const Vector& y, const PerRow& lambda, int steps,
@@ -621,17 +818,32 @@ KktResiduals kkt_residuals(const QuadraticProgram& program, const BoundedVector<
 
 QuadraticProgramSolution solve(const QuadraticProgram& asked, const RowSet& start)
 {
-  Program program(asked);
-  DualMethod method(program, start);
-  const QuadraticProgramStatus status = method.run();
+  using enum QuadraticProgramStatus;
+  const Program program(asked);
   const Eigen::Index n = asked.g.size();
-  if (status != QuadraticProgramStatus::optimal)
-    return {status, {}, {}, method.steps(), method.active()};
+  RowSet from = start;
+  int steps = 0;
+  if (start.none() && program.soft.none())
+  {
+    SchurMethod method(program);
+    const QuadraticProgramStatus status = run(method);
+    if (status == optimal)
+      return optimum(n, program.size, method.y(), method.lambda(), method.steps(), method.active());
+    if (status == infeasible)
+      return {infeasible, {}, {}, method.steps(), method.active()};
+    from = method.active();
+    steps = method.steps();
+  }
+  DualMethod method(program, from);
+  const QuadraticProgramStatus status = method.run();
+  steps += method.steps();
+  if (status != optimal)
+    return {status, {}, {}, steps, method.active()};
   // against what was asked, if that is not what was solved
   if (method.relaxed())
     if (const Program before(asked); !is_optimal(before, method.y(), method.lambda(), all_rows(before)))
-      return {QuadraticProgramStatus::not_solved, {}, {}, method.steps(), method.active()};
-  return optimum(n, program.size, method.y(), method.lambda(), method.steps(), method.active());
+      return {not_solved, {}, {}, steps, method.active()};
+  return optimum(n, program.size, method.y(), method.lambda(), steps, method.active());
 }
 
 QuadraticProgramSolution least_violation(const Rows& rows, const BoundedVector<kMaxVariables>& from)
@@ -640,7 +852,9 @@ QuadraticProgramSolution least_violation(const Rows& rows, const BoundedVector<k
   constexpr int kMaxRounds = 30;
   const Eigen::Index n = from.size();
   const Program asked(rows);
+  PerRow lacking;
   Program step = asked;
+  step.b = lacking.data();
   Vector y = Vector::Zero();
   y.head(n) = from;
   PerRow lambda;
@@ -654,7 +868,7 @@ QuadraticProgramSolution least_violation(const Rows& rows, const BoundedVector<k
     step.H.diagonal().head(n).setConstant(delta);
     step.H_squared = delta * delta * static_cast<double>(n);
     for (int i = 0; i < step.size; ++i)
-      step.b[i] = -asked.violation(i, y);
+      lacking[i] = -asked.violation(i, y);
     DualMethod method(step, active);
     const QuadraticProgramStatus status = method.run();
     steps += method.steps();
