@@ -1,5 +1,6 @@
 #include "torque/constrained.h"
 
+#include "planar/processors.h"
 #include "torque/linear_transition.h"
 #include "torque/quadratic_program.h"
 
@@ -87,11 +88,14 @@ void for_each_condition(const Robot& robot, const SupportEquations& equations, c
 class Conditions
 {
 public:
-  // rows: where they are kept; unit: of y, in N and N m
-  Conditions(Rows& rows, const Robot& robot, const SupportEquations& equations, const Support& support,
-             const AdmissibleReactions& all, const Constrained& settings, const Eigen::Vector3d& unit)
-      : rows_(rows), size_(ContactConditions::kMost)
+  // rows: where they are kept
+  explicit Conditions(Rows& rows) : rows_(rows), size_(0) {}
+
+  // unit: of y, in N and N m
+  void add_contacts(const Robot& robot, const SupportEquations& equations, const Support& support,
+                    const AdmissibleReactions& all, const Constrained& settings, const Eigen::Vector3d& unit)
   {
+    size_ = ContactConditions::kMost;
     // the components of both feet's wrenches, for w0 and for y at once; no moment at a heel or toe
     using Columns = Eigen::Vector4d;
     const Columns units(-1.0, unit(0), unit(1), unit(2));
@@ -236,6 +240,32 @@ void set_objective(const Columns& A, const Column& b, const Eigen::Vector3d& uni
   }
 }
 
+// What the contacts ask, and what torques cost: all of the program that most samples have.
+TORQUED_FOR_PROCESSORS
+void add_contacts_and_torques(const Robot& robot, const SupportEquations& equations, const Support& support,
+                              const AdmissibleReactions& all, const Constrained& settings,
+                              const ReactionTorques& torques, const Eigen::Vector3d& unit, double per_scale,
+                              Conditions& conditions, QuadraticProgram& program)
+{
+  conditions.add_contacts(robot, equations, support, all, settings, unit);
+  program.H.resize(all.redundancy, all.redundancy);
+  program.g.resize(all.redundancy);
+  const auto set = [&](const auto& A, const auto& b)
+  {
+    if (robot.num_joints() <= kJointBlock)
+      set_objective<kJointBlock>(A, b, unit, per_scale, program);
+    else
+      set_objective<kMaxJoints>(A, b, unit, per_scale, program);
+  };
+  if (settings.weights.size() == 0)
+    set(torques.T, torques.tau0);
+  else
+  {
+    const SumOfSquares sum = torque_squares(robot, torques, settings.weights);
+    set(sum.A, sum.b);
+  }
+}
+
 // y in N and N m; 0 beyond the program's variables
 Eigen::Vector3d in_units(const QuadraticProgramSolution& solution, const Eigen::Vector3d& unit)
 {
@@ -325,29 +355,14 @@ Result<Reactions> constrained(const Robot& robot, const SupportEquations& equati
   if (n == 3)
     unit(2) *= robot.leg_length;
   QuadraticProgram program;
-  Conditions conditions(program.rows, robot, equations, support, all, settings, unit);
+  Conditions conditions(program.rows);
 
   // objective, over its value for a torque of weight × leg length at every joint
   const double size = robot.weight() * robot.leg_length;
   const double mean_weight =
       settings.weights.size() == 0 ? 1.0 : settings.weights.trace() / static_cast<double>(robot.num_joints());
   const double per_scale = 1.0 / (mean_weight * size * size);
-  program.H.resize(n, n);
-  program.g.resize(n);
-  const auto set = [&](const auto& A, const auto& b)
-  {
-    if (robot.num_joints() <= kJointBlock)
-      set_objective<kJointBlock>(A, b, unit, per_scale, program);
-    else
-      set_objective<kMaxJoints>(A, b, unit, per_scale, program);
-  };
-  if (settings.weights.size() == 0)
-    set(torques.T, torques.tau0);
-  else
-  {
-    const SumOfSquares sum = torque_squares(robot, torques, settings.weights);
-    set(sum.A, sum.b);
-  }
+  add_contacts_and_torques(robot, equations, support, all, settings, torques, unit, per_scale, conditions, program);
   if (const double k = settings.reference_weight; k > 0.0)
   {
     const Result<Reactions> reference = zmp_transition(robot, equations, support);
