@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <array>
 #include <fmt/format.h>
+#include <functional>
 #include <memory>
 #include <sched.h>
 #include <sys/prctl.h>
@@ -22,6 +23,7 @@ using namespace std::chrono_literals;
 
 // Every server has a port of its own, so that none hears another's traffic.
 constexpr int kTorqued = 7701, kLcmEcho = 7702, kUdpEcho = 7703, kUdpClient = 7704, kMany = 7710;
+constexpr int kTwenty = 20;
 
 double percentile(std::vector<double>& values, double share)
 {
@@ -155,6 +157,100 @@ double processor_time(pid_t pid)
   return 1e9 * static_cast<double>(time.tv_sec) + static_cast<double>(time.tv_nsec);
 }
 
+// What twenty servers of one kind, each on a port of its own, made of a thousand samples per second each.
+struct Served
+{
+  double sent;              // per second
+  double answered;          // share of them, %
+  std::vector<double> took; // µs
+  double servers, client;   // cores that they kept busy
+};
+
+// command: of a server, by its port
+Served serve_twenty(const std::function<std::vector<std::string>(int port)>& command, bool quick)
+{
+  constexpr Clock::duration period = 1ms;
+  struct Server
+  {
+    Process process;
+    Packets packets;
+  };
+  const Channels channels;
+  Sample sample;
+  std::vector<std::unique_ptr<Server>> servers;
+  std::vector<pollfd> fds;
+  std::vector<double> took;
+  took.reserve(100'000);
+
+  // Waits for replies until then; into took goes how long each was under way, µs.
+  const auto hear = [&](Clock::time_point until)
+  {
+    const timespec left = Line::time_left(until);
+    int ready = ppoll(fds.data(), fds.size(), &left, nullptr);
+    for (std::size_t i = 0; ready > 0 && i < fds.size(); ++i)
+      if (fds[i].revents != 0)
+      {
+        --ready;
+        const Bytes reply = Packets::message_of(servers[i]->packets.receive());
+        took.push_back(static_cast<double>(microseconds(Clock::now()) - number_at(reply, kUtime)));
+      }
+  };
+  const auto send = [&](Server& server)
+  {
+    server.packets.publish(channels.desired, sample.at(microseconds(Clock::now())));
+  };
+
+  for (int i = 0; i < kTwenty; ++i)
+  {
+    const int port = kMany + i;
+    servers.push_back(std::unique_ptr<Server>(new Server{Process(command(port), "/dev/null"), Packets(port, port)}));
+    Packets& packets = servers.back()->packets;
+    packets.filter(channels.command.find("COMMAND"), 'C'); // its own samples, and statuses, come back, too
+    fds.push_back({packets.fd(), POLLIN, 0});
+    took.clear();
+    for (int tries = 0; took.empty(); ++tries)
+    {
+      if (tries == 5000)
+        throw std::runtime_error("one of twenty servers does not answer");
+      send(*servers.back());
+      hear(Clock::now() + 2ms);
+    }
+  }
+  while (const std::size_t late = took.size())
+  {
+    hear(Clock::now() + 50ms);
+    if (took.size() == late)
+      took.clear();
+  }
+
+  const auto processor_times = [&]
+  {
+    double sum = 0.0;
+    for (const auto& server : servers)
+      sum += processor_time(server->process.pid());
+    return sum;
+  };
+  prctl(PR_SET_TIMERSLACK, 1);
+  const double servers_before = processor_times(), client_before = processor_time(getpid());
+  const auto begin = Clock::now(), end = begin + (quick ? 50ms : 2000ms);
+  std::size_t sent = 0;
+  // one after the other, evenly spread; a client that stood still does not send what it missed
+  for (auto next = begin; next < end; next = std::max(next + period / kTwenty, Clock::now() - period))
+  {
+    while (Clock::now() < next)
+      hear(next);
+    send(*servers[sent++ % kTwenty]);
+  }
+  const double ns = std::chrono::duration<double, std::nano>(Clock::now() - begin).count();
+  const double servers_time = processor_times() - servers_before,
+               client_time = processor_time(getpid()) - client_before;
+  for (const auto until = Clock::now() + 100ms; Clock::now() < until;)
+    hear(until);
+  prctl(PR_SET_TIMERSLACK, 0);
+  const auto all = static_cast<double>(sent);
+  return {1e9 * all / ns, 100.0 * static_cast<double>(took.size()) / all, took, servers_time / ns, client_time / ns};
+}
+
 } // namespace
 
 void measure_round_trips(Rounds& rounds, bool quick)
@@ -233,97 +329,28 @@ void measure_flood(Rounds& rounds, bool quick)
 void measure_many(Rounds& rounds, bool quick)
 {
   const std::string group = "20 daemons, 1 kHz each";
-  constexpr int count = 20;
-  constexpr Clock::duration period = 1ms;
-  struct Daemon
+  // every sample, because one that a newer one has overtaken is else dropped, however much time is left
+  Served torqued = serve_twenty([](int port) { return torqued_command(url(port), {"--every-sample"}); }, quick);
+  Served echo = serve_twenty([](int port) { return lcm_echo_command(url(port)); }, quick);
+  for (const auto& [name, served] : {std::pair("torqued", &torqued), std::pair("LCM echo", &echo)})
   {
-    Process process;
-    Packets packets;
-  };
-  const Channels channels;
-  Sample sample;
-  std::vector<std::unique_ptr<Daemon>> daemons;
-  std::vector<pollfd> fds;
-  std::vector<double> took;
-  took.reserve(100'000);
-
-  // Waits for replies until then; into took goes how long each was under way, µs.
-  const auto hear = [&](Clock::time_point until)
-  {
-    const timespec left = Line::time_left(until);
-    int ready = ppoll(fds.data(), fds.size(), &left, nullptr);
-    for (std::size_t i = 0; ready > 0 && i < fds.size(); ++i)
-      if (fds[i].revents != 0)
-      {
-        --ready;
-        const Bytes reply = Packets::message_of(daemons[i]->packets.receive());
-        took.push_back(static_cast<double>(microseconds(Clock::now()) - number_at(reply, kUtime)));
-      }
-  };
-  const auto send = [&](Daemon& daemon)
-  {
-    daemon.packets.publish(channels.desired, sample.at(microseconds(Clock::now())));
-  };
-
-  for (int i = 0; i < count; ++i)
-  {
-    const int port = kMany + i;
-    // every sample, because one that a newer one has overtaken is else dropped, however much time is left
-    daemons.push_back(std::unique_ptr<Daemon>(
-        new Daemon{Process(torqued_command(url(port), {"--every-sample"}), "/dev/null"), Packets(port, port)}));
-    Packets& packets = daemons.back()->packets;
-    packets.filter(channels.command.find("COMMAND"), 'C'); // its own samples, and statuses, come back, too
-    fds.push_back({packets.fd(), POLLIN, 0});
-    took.clear();
-    for (int tries = 0; took.empty(); ++tries)
+    if (served->took.empty())
+      throw std::runtime_error("twenty servers answered nothing");
+    const auto add = [&rounds, &group, name](const char* what, const char* unit, double value)
     {
-      if (tries == 5000)
-        throw std::runtime_error("one of twenty daemons does not answer");
-      send(*daemons.back());
-      hear(Clock::now() + 2ms);
-    }
+      rounds.add(group, fmt::format("{} {}", name, what), unit, value);
+    };
+    add("sent", "1/s", served->sent);
+    add("answered", "%", served->answered);
+    add("p50", "us", percentile(served->took, 0.5));
+    add("p99", "us", percentile(served->took, 0.99));
+    add("processor", "cores", served->servers);
+    add("processor, client", "cores", served->client);
   }
-  while (const std::size_t late = took.size())
-  {
-    hear(Clock::now() + 50ms);
-    if (took.size() == late)
-      took.clear();
-  }
-
-  const auto processor_times = [&]
-  {
-    double sum = 0.0;
-    for (const auto& daemon : daemons)
-      sum += processor_time(daemon->process.pid());
-    return sum;
-  };
-  prctl(PR_SET_TIMERSLACK, 1);
-  const double daemons_before = processor_times(), client_before = processor_time(getpid());
-  const auto begin = Clock::now(), end = begin + (quick ? 50ms : 2000ms);
-  std::size_t sent = 0;
-  // one after the other, evenly spread; a client that stood still does not send what it missed
-  for (auto next = begin; next < end; next = std::max(next + period / count, Clock::now() - period))
-  {
-    while (Clock::now() < next)
-      hear(next);
-    send(*daemons[sent++ % count]);
-  }
-  const double seconds = std::chrono::duration<double>(Clock::now() - begin).count();
-  const double daemons_time = processor_times() - daemons_before,
-               client_time = processor_time(getpid()) - client_before;
-  for (const auto until = Clock::now() + 100ms; Clock::now() < until;)
-    hear(until);
-  prctl(PR_SET_TIMERSLACK, 0);
-
-  rounds.add(group, "sent", "1/s", static_cast<double>(sent) / seconds);
-  rounds.add(group, "answered", "%", 100.0 * static_cast<double>(took.size()) / static_cast<double>(sent));
-  rounds.add(group, "p50", "us", took.empty() ? 0.0 : percentile(took, 0.5));
-  rounds.add(group, "p99", "us", took.empty() ? 0.0 : percentile(took, 0.99));
-  rounds.add(group, "processor, daemons", "cores", 1e-9 * daemons_time / seconds);
-  rounds.add(group, "processor, client", "cores", 1e-9 * client_time / seconds);
-  rounds.add(group, "one core would serve", "daemons", count * 1e9 * seconds / daemons_time);
-  rounds.promise({group, "answered", "", 99.9, true});
-  rounds.promise({group, "p99", "", 1000.0}); // a period
+  rounds.add(group, "torqued p99: later by", "us", percentile(torqued.took, 0.99) - percentile(echo.took, 0.99));
+  rounds.add(group, "one core would serve", "daemons", kTwenty / torqued.servers);
+  rounds.promise({group, "torqued answered", "", 99.9, true});
+  rounds.promise({group, "torqued p99: later by", "", 1000.0}); // than LCM's echo: a period
 }
 
 } // namespace torqued::bench
