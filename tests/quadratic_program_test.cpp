@@ -513,6 +513,34 @@ TEST_CASE("a cone that is closed leaves one point", "[quadratic_program]")
   CHECK(solve(program_of(program.H, program.g, rows)).status == infeasible);
 }
 
+TEST_CASE("rows that contradict each other by rounding have a solution between them", "[quadratic_program]")
+{
+  // x ≤ 0 and x ≥ gap, each of which counts as met where it lacks no more than kRowTolerance; with other variables, or
+  // none
+  const int n = GENERATE(1, 2, 3);
+  const auto between = [n](double gap, double factor)
+  {
+    RowList rows;
+    rows.add(factor * Eigen::VectorXd::Unit(n, 0), 0.0);
+    rows.add(-factor * Eigen::VectorXd::Unit(n, 0), -factor * gap);
+    return solve(program_of(Eigen::MatrixXd::Identity(n, n), -Eigen::VectorXd::Unit(n, n - 1), rows));
+  };
+  for (const double factor : {1.0, 0.25})
+    for (const double share : {0.5, 1.5, 1.9})
+    {
+      const double gap = share * kRowTolerance / factor;
+      const QuadraticProgramSolution found = between(gap, factor);
+      CAPTURE(n, factor, share);
+      REQUIRE(found.status == optimal);
+      CHECK(found.y(0) > -2.0 * gap);
+      CHECK(found.y(0) < 3.0 * gap);
+      if (n > 1)
+        CHECK(mismatch(found.y(n - 1), 1.0, 1e-15) == "");
+    }
+  CHECK(between(2.5 * kRowTolerance, 1.0).status == infeasible);
+  CHECK(between(1e-3, 1.0).status == infeasible);
+}
+
 TEST_CASE("rows without a normal, and programs without variables, ask only for b", "[quadratic_program]")
 {
   for (const int n : {0, 2})

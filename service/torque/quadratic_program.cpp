@@ -706,12 +706,12 @@ private:
     return lambda * lambda * program_.squared(row) > kRounding * kRounding * against;
   }
 
-  // whether row p lacks far more than what rounding of rows that add up to it accounts for
+  // whether row p lacks more than the rows that add up to it account for with their rounding, as in DualMethod::relax()
   bool is_contradiction(int p, const Places& change) const
   {
     const double y_squared = y_.squaredNorm();
     const Places scales = of_rows([&](int row) { return program_.scale(row, y_squared); });
-    return program_.violation(p, y_) > 1e5 * kRowTolerance * (program_.scale(p, y_squared) + change.dot(scales));
+    return program_.violation(p, y_) > kRowTolerance * (program_.scale(p, y_squared) + change.dot(scales));
   }
 
   // S⁻¹ with one row and column more
