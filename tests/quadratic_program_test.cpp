@@ -513,6 +513,37 @@ TEST_CASE("a cone that is closed leaves one point", "[quadratic_program]")
   CHECK(solve(program_of(program.H, program.g, rows)).status == infeasible);
 }
 
+TEST_CASE("by inverses and by orthogonal columns the solution is the same", "[quadratic_program]")
+{
+  oracle::Random random(15);
+  int infeasible_ones = 0;
+  for (int i = 0; i < kPrograms; ++i)
+  {
+    const Kind kind = static_cast<Kind>(i % kKinds);
+    const QuadraticProgram program = random_program(random, kind);
+    const QuadraticProgramSolution found = solve(program);
+    // inverses take no soft rows; one that is far away changes nothing else
+    QuadraticProgram with_soft = program;
+    const int m = program.rows.size();
+    with_soft.rows.A.conservativeResize(m + 1, Eigen::NoChange);
+    with_soft.rows.b.conservativeResize(m + 1);
+    with_soft.rows.A.row(m).setConstant(1e-3);
+    with_soft.rows.b(m) = 1e12;
+    with_soft.rows.soft.set(static_cast<std::size_t>(m));
+    const QuadraticProgramSolution expected = solve(with_soft);
+    CAPTURE(i, static_cast<int>(kind));
+    REQUIRE(found.status == expected.status);
+    infeasible_ones += found.status == infeasible ? 1 : 0;
+    if (found.status == optimal)
+      CHECK(mismatch(found.y, expected.y, kind == Kind::bad_condition ? 1e-6 : 1e-8) == "");
+  }
+  CHECK(infeasible_ones > 0.15 * kPrograms);
+  // what one row shrinks by is too little to be divided by
+  RowList rows;
+  rows.add(Eigen::VectorXd::Constant(1, 2e-155), -1e-10);
+  CHECK(solve(program_of(Eigen::MatrixXd::Identity(1, 1), Eigen::VectorXd::Zero(1), rows)).status == not_solved);
+}
+
 TEST_CASE("rows that contradict each other by rounding have a solution between them", "[quadratic_program]")
 {
   // x ≤ 0 and x ≥ gap, each of which counts as met where it lacks no more than kRowTolerance; with other variables, or

@@ -27,8 +27,9 @@ using PerRow = std::array<double, kMaxRows>;
 
 // Relative to the terms that it is the difference of, what is less than this is rounding.
 constexpr double kRounding = 1e-12;
-// What is no smaller, relative to that, costs no more than some three digits.
-constexpr double kWell = 1e-3;
+// What an inverse may lose, as a factor on rounding: of each entry of the diagonal, how many times it is what the
+// others leave of it.
+constexpr double kMostInflation = 1e3;
 constexpr double kEpsilon = std::numeric_limits<double>::epsilon();
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
@@ -42,8 +43,8 @@ template <typename Function> void for_each(const RowSet& rows, const Function& f
 // so that the compiler does several rows at once. A and b are those that were given, where they are.
 struct Program
 {
-  int size;          // rows
-  int variables = 0; // that it has
+  int size;      // rows
+  int variables; // that it has
   Matrix H = Matrix::Identity();
   Vector g = Vector::Zero();
   double H_squared = 0.0; // |H|², without what was added
@@ -51,7 +52,8 @@ struct Program
   const double* b;
   RowSet soft;
 
-  explicit Program(const Rows& rows) : size(rows.size()), b(rows.b.data()), soft(rows.soft)
+  explicit Program(const Rows& rows)
+      : size(rows.size()), variables(static_cast<int>(rows.A.cols())), b(rows.b.data()), soft(rows.soft)
   {
     static constexpr PerRow zeros{};
     for (int k = 0; k < kMaxVariables; ++k)
@@ -59,7 +61,7 @@ struct Program
   }
   explicit Program(const QuadraticProgram& program) : Program(program.rows)
   {
-    variables = static_cast<int>(program.g.size());
+    variables = static_cast<int>(program.g.size()); // also where there are no rows
     // entry by entry, of numbers that the compiler knows: what calls copy, later loads wait for
     for (int j = 0; j < kMaxVariables; ++j)
       for (int i = 0; i < kMaxVariables; ++i)
@@ -405,11 +407,12 @@ class DualMethod
 {
 public:
   /// Rows of the program that contradict one another by no more than rounding are relaxed by as much.
-  /// active: a working set to begin with, as another run has left it.
-  DualMethod(const Program& program, const RowSet& active)
-      : program_(program), active_(active), equalities_(program_, factors_)
+  /// active: a working set to begin with, as another run has left it after so many steps.
+  DualMethod(const Program& program, const RowSet& active, int steps)
+      : program_(program), active_(active), equalities_(program_, factors_), steps_(steps)
   {
   }
+  DualMethod(const DualMethod&) = delete; // parts of it point to others
 
   QuadraticProgramStatus run()
   {
@@ -599,14 +602,15 @@ private:
   Equalities equalities_; // of the working set
   Vector y_;
   PerRow lambda_;
-  int steps_ = 0;
+  int steps_;
   bool relaxed_ = false;
 };
 
 // The same method for hard rows by the inverses of H and of the Schur complement S = N H⁻¹ Nᵀ, N the rows of the
-// working set: much shorter, and as good where neither costs more than some three digits. It gives up where one does,
-// and where it finds no way on. S⁻¹ is bordered by what a row adds: with c = −S⁻¹ N H⁻¹ a_p and s what p's violation
-// shrinks by, both per λ_p, it is S⁻¹ + c cᵀ / s, c / s, and 1 / s.
+// working set: much shorter, and good enough where neither costs more than some three digits. It gives up where one
+// does, and where it finds no way on; what it says it has checked in the rows and H themselves. S⁻¹ is bordered by what
+// a row adds: with c = −S⁻¹ N H⁻¹ a_p and s what p's violation shrinks by, both per λ_p, it is S⁻¹ + c cᵀ / s, c / s,
+// and 1 / s.
 //
 // The working set has three places; what stands for one that is empty is 0. A fourth makes pairs of all numbers, which
 // are stored as they are read: a number alone that was just written makes the pair wait.
@@ -641,15 +645,15 @@ private:
   // a number for each place
   using Places = Eigen::Vector4d;
 
-  // whether H is positive definite, and no pivot of H = L D Lᵀ small against its entry of the diagonal
+  // whether H is positive definite, and its inverse good enough
   bool invert()
   {
     const Matrix& H = program_.H;
     bool invertible;
     double determinant;
     H.computeInverseAndDetWithCheck(H_inverse_, determinant, invertible, 0.0);
-    const double minor = H(0, 0) * H(1, 1) - H(1, 0) * H(1, 0);
-    return H(0, 0) > 0.0 && minor > kWell * H(0, 0) * H(1, 1) && determinant > kWell * minor * H(2, 2);
+    return H(0, 0) > 0.0 && H(0, 0) * H(1, 1) > H(1, 0) * H(1, 0) && determinant > 0.0 &&
+           (H.diagonal().cwiseProduct(H_inverse_.diagonal()).array() < kMostInflation).all();
   }
 
   // Lets λ_p grow until row p is met, and drops each row whose multiplier comes to zero before.
@@ -667,7 +671,7 @@ private:
       const Places change = -(S_inverse_ * shared);
       const double closing = own + shared.dot(change);
       const bool independent = size_ < program_.variables;
-      if (independent && !(closing > kWell * own))
+      if (independent && !(kMostInflation * closing > own))
         return not_solved;
       const double per_closing = 1.0 / closing;
       double t = independent ? program_.violation(p, y_) * per_closing : kInfinity;
@@ -679,8 +683,8 @@ private:
           t = -lambda_(k) / change(k);
           blocking = k;
         }
-      if (t == kInfinity) // a_p = −Σ change_k a_k of the set, change ≥ 0: no y meets them all
-        return is_contradiction(p, change) ? infeasible : not_solved;
+      if (t == kInfinity)
+        return is_contradiction(p, change.cwiseMax(0.0)) ? infeasible : not_solved;
 
       lambda_ += t * change;
       lambda_p += t;
@@ -688,7 +692,9 @@ private:
         y_ -= t * (h + moved_by(change));
       if (blocking < 0)
       {
-        add(p, h, lambda_p, change, per_closing);
+        add(p, h, own, lambda_p, change, per_closing);
+        if (!(own_.cwiseProduct(S_inverse_.diagonal()).array() < kMostInflation).all())
+          return not_solved;
         refine();
         for (int k = 0; k < 3; ++k)
           if (lambda_(k) < 0.0 && is_more_than_rounding(lambda_(k), row_[k], std::max(program_.g.squaredNorm(), 1.0)))
@@ -706,21 +712,32 @@ private:
     return lambda * lambda * program_.squared(row) > kRounding * kRounding * against;
   }
 
-  // whether row p lacks more than the rows that add up to it account for with their rounding, as in DualMethod::relax()
-  bool is_contradiction(int p, const Places& change) const
+  // whether a_p = −Σ share_k a_k of the set, share ≥ 0, and row p lacks more than these rows account for with their
+  // rounding, as in DualMethod::relax(): then no y meets them all
+  bool is_contradiction(int p, const Places& share) const
   {
     const double y_squared = y_.squaredNorm();
-    const Places scales = of_rows([&](int row) { return program_.scale(row, y_squared); });
-    return program_.violation(p, y_) > kRowTolerance * (program_.scale(p, y_squared) + change.dot(scales));
+    Vector sum = program_.a(p);
+    double size = sum.norm(), scale = program_.scale(p, y_squared);
+    for (int k = 0; k < 3; ++k)
+      if (share(k) > 0.0)
+      {
+        const Vector a = program_.a(row_[k]);
+        sum += share(k) * a;
+        size += share(k) * a.norm();
+        scale += share(k) * program_.scale(row_[k], y_squared);
+      }
+    return sum.norm() <= kRounding * size && program_.violation(p, y_) > kRowTolerance * scale;
   }
 
   // S⁻¹ with one row and column more
-  void add(int p, const Vector& h, double lambda, const Places& change, double per_closing)
+  void add(int p, const Vector& h, double own, double lambda, const Places& change, double per_closing)
   {
     const int place = row_[0] < 0 ? 0 : row_[1] < 0 ? 1 : 2;
     const Places both = change + unit(place);
     S_inverse_ += per_closing * both * both.transpose();
     lambda_ += lambda * unit(place);
+    own_ += own * unit(place);
     row_[place] = p;
     h_[place] = h;
     active_.set(p);
@@ -733,6 +750,7 @@ private:
     S_inverse_ -= column * column.transpose() / S_inverse_(place, place);
     S_inverse_ = others.asDiagonal() * S_inverse_ * others.asDiagonal();
     lambda_ = lambda_.cwiseProduct(others);
+    own_ = own_.cwiseProduct(others);
     active_.reset(row_[place]);
     row_[place] = -1;
     --size_;
@@ -770,6 +788,7 @@ private:
   std::array<int, 3> row_{-1, -1, -1};
   std::array<Vector, 3> h_{Vector::Zero(), Vector::Zero(), Vector::Zero()}; // H⁻¹ a; of no consequence if empty
   Eigen::Matrix4d S_inverse_ = Eigen::Matrix4d::Zero();
+  Places own_ = Places::Zero(); // S's diagonal
   Places lambda_ = Places::Zero();
   PerRow lambda_of_rows_;
   int steps_ = 0;
@@ -834,16 +853,15 @@ QuadraticProgramSolution solve(const QuadraticProgram& asked, const RowSet& star
     from = method.active();
     steps = method.steps();
   }
-  DualMethod method(program, from);
+  DualMethod method(program, from, steps);
   const QuadraticProgramStatus status = method.run();
-  steps += method.steps();
   if (status != optimal)
-    return {status, {}, {}, steps, method.active()};
+    return {status, {}, {}, method.steps(), method.active()};
   // against what was asked, if that is not what was solved
   if (method.relaxed())
     if (const Program before(asked); !is_optimal(before, method.y(), method.lambda(), all_rows(before)))
-      return {not_solved, {}, {}, steps, method.active()};
-  return optimum(n, program.size, method.y(), method.lambda(), steps, method.active());
+      return {not_solved, {}, {}, method.steps(), method.active()};
+  return optimum(n, program.size, method.y(), method.lambda(), method.steps(), method.active());
 }
 
 QuadraticProgramSolution least_violation(const Rows& rows, const BoundedVector<kMaxVariables>& from)
@@ -869,7 +887,7 @@ QuadraticProgramSolution least_violation(const Rows& rows, const BoundedVector<k
     step.H_squared = delta * delta * static_cast<double>(n);
     for (int i = 0; i < step.size; ++i)
       lacking[i] = -asked.violation(i, y);
-    DualMethod method(step, active);
+    DualMethod method(step, active, 0);
     const QuadraticProgramStatus status = method.run();
     steps += method.steps();
     if (status != optimal)

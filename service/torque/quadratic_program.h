@@ -81,9 +81,10 @@ inline constexpr int kMaxSteps = 500;
 
 /// Solves by the dual active-set method: from the minimum without rows it meets one violated row after another, and
 /// keeps the multipliers of those met before non-negative. The working set never holds more independent hard rows than
-/// there are variables, so each step solves with matrices of at most 3 × 3. Inverses do where neither H nor the rows
-/// lose more than some three digits by them; else, and with soft rows, the solution is computed afresh from the working
-/// set by orthogonal columns: no error builds up. What is answered as optimal is so by its KKT residuals, either way.
+/// there are variables, so each step solves with matrices of at most 3 × 3. Inverses do where neither that of H nor
+/// that of the rows met costs more than some three digits; else, and with soft rows, the solution is computed afresh
+/// from the working set by orthogonal columns: no error builds up. Either way, what is answered as optimal is so by its
+/// KKT residuals.
 /// start: to begin with, the working set in which another program ended whose rows had the same directions; hard rows
 /// may have become soft, but not soft ones hard. Those that would pull are dropped.
 /// Source: D. Goldfarb, A. Idnani, "A numerically stable dual method for solving strictly convex quadratic programs",
