@@ -670,7 +670,7 @@ private:
       const Places shared = of_rows([&](int row) { return program_.along(row, h); });
       const Places change = -(S_inverse_ * shared);
       const double closing = own + shared.dot(change);
-      const bool independent = size_ < program_.variables;
+      const bool independent = size() < program_.variables;
       if (independent && !(kMostInflation * closing > own))
         return not_solved;
       const double per_closing = 1.0 / closing;
@@ -692,8 +692,8 @@ private:
         y_ -= t * (h + moved_by(change));
       if (blocking < 0)
       {
-        add(p, h, own, lambda_p, change, per_closing);
-        if (!(own_.cwiseProduct(S_inverse_.diagonal()).array() < kMostInflation).all())
+        add(p, h, lambda_p, change, per_closing);
+        if (!(diagonal().cwiseProduct(S_inverse_.diagonal()).array() < kMostInflation).all())
           return not_solved;
         refine();
         for (int k = 0; k < 3; ++k)
@@ -731,17 +731,15 @@ private:
   }
 
   // S⁻¹ with one row and column more
-  void add(int p, const Vector& h, double own, double lambda, const Places& change, double per_closing)
+  void add(int p, const Vector& h, double lambda, const Places& change, double per_closing)
   {
     const int place = row_[0] < 0 ? 0 : row_[1] < 0 ? 1 : 2;
     const Places both = change + unit(place);
     S_inverse_ += per_closing * both * both.transpose();
     lambda_ += lambda * unit(place);
-    own_ += own * unit(place);
     row_[place] = p;
     h_[place] = h;
     active_.set(p);
-    ++size_;
   }
   // and with one less
   void drop(int place)
@@ -750,10 +748,8 @@ private:
     S_inverse_ -= column * column.transpose() / S_inverse_(place, place);
     S_inverse_ = others.asDiagonal() * S_inverse_ * others.asDiagonal();
     lambda_ = lambda_.cwiseProduct(others);
-    own_ = own_.cwiseProduct(others);
     active_.reset(row_[place]);
     row_[place] = -1;
-    --size_;
   }
 
   // takes away what rounding has left of the working set's violations
@@ -764,13 +760,25 @@ private:
     y_ -= moved_by(more);
   }
 
-  template <typename Function> Places of_rows(const Function& function) const
+  // of the working set
+  int size() const { return (row_[0] >= 0) + (row_[1] >= 0) + (row_[2] >= 0); }
+
+  template <typename Function> Places of_places(const Function& function) const
   {
     const auto at = [&](int place)
     {
-      return row_[place] >= 0 ? function(row_[place]) : 0.0;
+      return row_[place] >= 0 ? function(place) : 0.0;
     };
     return {at(0), at(1), at(2), 0.0};
+  }
+  template <typename Function> Places of_rows(const Function& function) const
+  {
+    return of_places([&](int place) { return function(row_[place]); });
+  }
+  // of S
+  Places diagonal() const
+  {
+    return of_places([&](int place) { return program_.along(row_[place], h_[place]); });
   }
   // H⁻¹ Nᵀ change
   Vector moved_by(const Places& change) const { return change(0) * h_[0] + change(1) * h_[1] + change(2) * h_[2]; }
@@ -784,11 +792,9 @@ private:
   Matrix H_inverse_;
   Vector y_;
   RowSet active_;
-  int size_ = 0; // rows of the working set
   std::array<int, 3> row_{-1, -1, -1};
   std::array<Vector, 3> h_{Vector::Zero(), Vector::Zero(), Vector::Zero()}; // H⁻¹ a; of no consequence if empty
   Eigen::Matrix4d S_inverse_ = Eigen::Matrix4d::Zero();
-  Places own_ = Places::Zero(); // S's diagonal
   Places lambda_ = Places::Zero();
   PerRow lambda_of_rows_;
   int steps_ = 0;
