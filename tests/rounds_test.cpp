@@ -122,6 +122,12 @@ TEST_CASE("promises are kept or missed, up to their bound, in the table and in t
   CHECK(json["promises"][4]["found"].is_null());
 }
 
+TEST_CASE("bounds are said as people write them", "[rounds]")
+{
+  CHECK(words({"group", "a", "", 19'000.0, true}, 19'745.0) == "at least 19000, kept");
+  CHECK(words({"group", "a", "b", 1.0 / 12.0}, 0.07) == "0.070 x b: at most 0.083333, kept");
+}
+
 TEST_CASE("the page shows every row once, in its group and with its median", "[rounds]")
 {
   Rounds rounds = three_rounds();

@@ -28,7 +28,7 @@ std::string rounded(double value)
 std::string words(const Promise& promise, double found)
 {
   const std::string what = promise.against.empty() ? "" : fmt::format("{:.3f} x {}: ", found, promise.against);
-  return fmt::format("{}{} {:.4g}, {}", what, promise.at_least ? "at least" : "at most", promise.bound,
+  return fmt::format("{}{} {:.5g}, {}", what, promise.at_least ? "at least" : "at most", promise.bound,
                      Rounds::kept(promise, found) ? "kept" : "missed");
 }
 
