@@ -23,7 +23,7 @@ using namespace std::chrono_literals;
 
 // Every server has a port of its own, so that none hears another's traffic.
 constexpr int kTorqued = 7701, kLcmEcho = 7702, kUdpEcho = 7703, kUdpClient = 7704, kMany = 7710;
-constexpr int kTwenty = 20;
+constexpr int kServers = 20; // of one kind at once, on ports from kMany on
 
 double percentile(std::vector<double>& values, double share)
 {
@@ -167,7 +167,7 @@ struct Served
 };
 
 // command: of a server, by its port
-Served serve_twenty(const std::function<std::vector<std::string>(int port)>& command, bool quick)
+Served serve_many(const std::function<std::vector<std::string>(int port)>& command, bool quick)
 {
   constexpr Clock::duration period = 1ms;
   struct Server
@@ -200,7 +200,7 @@ Served serve_twenty(const std::function<std::vector<std::string>(int port)>& com
     server.packets.publish(channels.desired, sample.at(microseconds(Clock::now())));
   };
 
-  for (int i = 0; i < kTwenty; ++i)
+  for (int i = 0; i < kServers; ++i)
   {
     const int port = kMany + i;
     servers.push_back(std::unique_ptr<Server>(new Server{Process(command(port), "/dev/null"), Packets(port, port)}));
@@ -235,11 +235,11 @@ Served serve_twenty(const std::function<std::vector<std::string>(int port)>& com
   const auto begin = Clock::now(), end = begin + (quick ? 50ms : 2000ms);
   std::size_t sent = 0;
   // one after the other, evenly spread; a client that stood still does not send what it missed
-  for (auto next = begin; next < end; next = std::max(next + period / kTwenty, Clock::now() - period))
+  for (auto next = begin; next < end; next = std::max(next + period / kServers, Clock::now() - period))
   {
     while (Clock::now() < next)
       hear(next);
-    send(*servers[sent++ % kTwenty]);
+    send(*servers[sent++ % kServers]);
   }
   const double ns = std::chrono::duration<double, std::nano>(Clock::now() - begin).count();
   const double servers_time = processor_times() - servers_before,
@@ -331,8 +331,8 @@ void measure_many(Rounds& rounds, bool quick)
 {
   const std::string group = "20 daemons, 1 kHz each";
   // every sample, because one that a newer one has overtaken is else dropped, however much time is left
-  Served torqued = serve_twenty([](int port) { return torqued_command(url(port), {"--every-sample"}); }, quick);
-  Served echo = serve_twenty([](int port) { return lcm_echo_command(url(port)); }, quick);
+  Served torqued = serve_many([](int port) { return torqued_command(url(port), {"--every-sample"}); }, quick);
+  Served echo = serve_many([](int port) { return lcm_echo_command(url(port)); }, quick);
   for (const auto& [name, served] : {std::pair("torqued", &torqued), std::pair("LCM echo", &echo)})
   {
     if (served->took.empty())
@@ -341,17 +341,18 @@ void measure_many(Rounds& rounds, bool quick)
     {
       rounds.add(group, fmt::format("{} {}", name, what), unit, value);
     };
+    const double per_answer = 1e6 * served->servers / (0.01 * served->answered * served->sent); // µs
     add("sent", "1/s", served->sent);
     add("answered", "%", served->answered);
     add("p50", "us", percentile(served->took, 0.5));
     add("p99", "us", percentile(served->took, 0.99));
     add("processor", "cores", served->servers);
-    add("processor per answer", "us", 1e6 * served->servers / (0.01 * served->answered * served->sent));
+    add("processor per answer", "us", per_answer);
     add("processor, client", "cores", served->client);
+    add("on one core", "servers", 1e3 / per_answer);
   }
-  rounds.add(group, "one core would serve", "daemons", kTwenty / torqued.servers);
   rounds.promise({group, "torqued answered", "", 99.9, true});
-  rounds.promise({group, "torqued sent", "", 0.95 * 1000.0 * kTwenty, true});
+  rounds.promise({group, "torqued sent", "", 0.95 * 1000.0 * kServers, true});
   rounds.promise({group, "torqued processor per answer", "LCM echo processor per answer", 1.3});
 }
 
