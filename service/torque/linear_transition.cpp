@@ -42,7 +42,7 @@ Result<Reactions> zmp_transition(const Robot& robot, const SupportEquations& equ
   const bool trailing_sole = support.of(support.trailing()) == Contact::sole;
   const FootPose& leading = equations.foot(support.leading);
   const FootPose& trailing = equations.foot(support.trailing());
-  const double p = support.phase;
+  const double p = support.progress();
   const double nothing = kNoLoad * robot.weight() * robot.leg_length;
   const Eigen::Vector2d F = equations.force();
   const double m = equations.moment_about_origin();

@@ -41,7 +41,7 @@ Result<Reactions> linear_transition(const Robot& robot, const SupportEquations& 
 ///
 /// - trailing sole, leading point: s = p s*
 /// - trailing point, leading sole: s = s* + p (1 − s*)
-/// - two soles: s = p
+/// - two soles: s = load_transfer
 /// - two points: normal forces by (2); s, the leading foot's share of them, splits the horizontal force, too
 ///
 /// and the rest is as in linear_transition(), the pressure on two soles following the zero-moment point. s* is clamped
