@@ -67,16 +67,18 @@ std::string method_name(std::int8_t method)
 
 std::vector<std::string> flag_names(std::int32_t flags)
 {
-  constexpr std::array<std::pair<std::int32_t, const char*>, 10> known{{{flag::slips, "SLIPS"},
-                                                                        {flag::lifts, "LIFTS"},
-                                                                        {flag::tips, "TIPS"},
-                                                                        {flag::over_torque, "OVER_TORQUE"},
-                                                                        {flag::clamped, "CLAMPED"},
-                                                                        {flag::relaxed, "RELAXED"},
-                                                                        {flag::inconsistent, "INCONSISTENT"},
-                                                                        {flag::late, "LATE"},
-                                                                        {flag::over_rate, "OVER_RATE"},
-                                                                        {flag::projected, "PROJECTED"}}};
+  constexpr std::array<std::pair<std::int32_t, const char*>, 11> known{
+      {{flag::slips, "SLIPS"},
+       {flag::lifts, "LIFTS"},
+       {flag::tips, "TIPS"},
+       {flag::over_torque, "OVER_TORQUE"},
+       {flag::clamped, "CLAMPED"},
+       {flag::relaxed, "RELAXED"},
+       {flag::inconsistent, "INCONSISTENT"},
+       {flag::late, "LATE"},
+       {flag::over_rate, "OVER_RATE"},
+       {flag::projected, "PROJECTED"},
+       {flag::contact_acceleration, "CONTACT_ACCELERATION"}}};
   std::vector<std::string> names;
   for (const auto& [bit, name] : known)
     if (flags & bit)

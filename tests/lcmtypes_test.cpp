@@ -42,7 +42,8 @@ TEST_CASE("the constants are those that clients, logs and other languages know",
   CHECK(std::vector<int>{Q::NONE, Q::HEEL, Q::SOLE, Q::TOE} == std::vector<int>{0, 1, 2, 3});
   using C = torque_command_t;
   CHECK(std::vector<int>{C::SLIPS, C::LIFTS, C::TIPS, C::OVER_TORQUE, C::CLAMPED, C::RELAXED, C::INCONSISTENT, C::LATE,
-                         C::OVER_RATE, C::PROJECTED} == std::vector<int>{1, 2, 4, 8, 16, 32, 64, 128, 256, 512});
+                         C::OVER_RATE, C::PROJECTED,
+                         C::CONTACT_ACCELERATION} == std::vector<int>{1, 2, 4, 8, 16, 32, 64, 128, 256, 512, 2048});
   using R = rejection_t;
   CHECK(std::vector<int>{R::UNDECODABLE, R::WRONG_MODEL, R::WRONG_SIZE, R::NOT_FINITE, R::OUT_OF_RANGE,
                          R::UNKNOWN_METHOD, R::OUT_OF_ORDER, R::STALE, R::OTHER_STREAM, R::INCONSISTENT,

@@ -25,7 +25,8 @@
 
   const CONTACTS = ['none', 'heel', 'sole', 'toe'];
   const SIDES = ['L', 'R'];
-  const FLAGS = ['SLIPS', 'LIFTS', 'TIPS', 'OVER_TORQUE', 'CLAMPED', 'RELAXED', 'INCONSISTENT', 'LATE', 'OVER_RATE', 'PROJECTED'];
+  const FLAGS = ['SLIPS', 'LIFTS', 'TIPS', 'OVER_TORQUE', 'CLAMPED', 'RELAXED', 'INCONSISTENT', 'LATE', 'OVER_RATE', 'PROJECTED',
+    'ADJUSTED', 'CONTACT_ACCELERATION', 'PRIOR'];
   let motions = [], runs = [];
   let begin = 0, end = 1;     // s, of what there is
   let shown = null;           // the run whose torques and forces the robot shows

@@ -21,15 +21,23 @@ namespace
 
 constexpr double kProjected = 1e-9; // m, rad, and per s and s²: less than this is rounding, and no reason for a flag
 
+// whether the motion keeps its contacts, by where and how they are, and by how they accelerate
 std::optional<Refusal> check_consistency(const AnswerSettings& settings, const ContactErrors& errors,
-                                         std::int32_t& flags)
+                                         const Support& support, std::int32_t& flags)
 {
-  if (errors.speed <= settings.contact_speed_tolerance && errors.acceleration <= settings.contact_tolerance &&
-      errors.tilt <= settings.sole_tilt_tolerance)
+  const bool on_ground = std::abs(errors.height) <= settings.contact_height_tolerance;
+  const bool at_rest = errors.speed <= settings.contact_speed_tolerance && errors.tilt <= settings.sole_tilt_tolerance;
+  const bool stays = errors.acceleration <= settings.contact_tolerance;
+  flags |= on_ground && at_rest ? 0 : flag::inconsistent;
+  flags |= stays ? 0 : flag::contact_acceleration;
+  if ((on_ground && at_rest && stays) || settings.consistency == OnExcess::flag)
     return {};
-  flags |= flag::inconsistent;
-  if (settings.consistency == OnExcess::flag)
-    return {};
+  if (!on_ground)
+    return Refusal(Reason::inconsistent,
+                   "the {} foot's {} carries, and is {:.3g} m {} the ground z = 0, more than contact_height_tolerance, "
+                   "{:.3g} m",
+                   name_of(errors.farthest), name_of(support.of(errors.farthest)), std::abs(errors.height),
+                   errors.height > 0.0 ? "above" : "below", settings.contact_height_tolerance);
   return Refusal(
       Reason::inconsistent,
       "the motion gives its contacts a speed of {:.3g} (up to {:.3g} m/s, rad/s), an acceleration of {:.3g} (up to "
@@ -120,13 +128,15 @@ std::optional<Refusal> answer_motion(const Robot& robot, const AnswerSettings& s
     return *refusal;
   const SupportEquations& equations = std::get<SupportEquations>(built);
   const ContactErrors errors = before ? *before
-                                      : ContactErrors{.tilt = equations.sole_tilt,
+                                      : ContactErrors{.height = equations.contact_height,
+                                                      .farthest = equations.farthest,
+                                                      .tilt = equations.sole_tilt,
                                                       .speed = equations.contact_speed,
                                                       .acceleration = equations.contact_residual};
   std::int32_t flags = 0;
   if (before && std::max({before->position, before->tilt, before->speed, before->acceleration}) > kProjected)
     flags |= flag::projected;
-  if (const auto refusal = check_consistency(settings, errors, flags))
+  if (const auto refusal = check_consistency(settings, errors, desired.support, flags))
     return *refusal;
 
   Result<TorqueSolution> solved =
@@ -192,6 +202,7 @@ std::int64_t settings_id(const AnswerSettings& settings)
   hash.add(settings.contact_speed_tolerance);
   hash.add(settings.contact_tolerance);
   hash.add(settings.sole_tilt_tolerance);
+  hash.add(settings.contact_height_tolerance);
   hash.add(settings.residual_tolerance);
   hash.add(static_cast<int>(settings.project));
   hash.add(static_cast<int>(settings.limits));
