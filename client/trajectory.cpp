@@ -363,6 +363,24 @@ private:
       if (!phase_)
         state.phase = supports[i].phase;
     }
+    if (stands_throughout(contacts))
+      assume_half(supports.front());
+  }
+
+  // says what a robot that stands throughout is given because the columns do not say
+  void assume_half(const Support& support)
+  {
+    const bool sole = support.of(Side::left) == Contact::sole, other_sole = support.of(Side::right) == Contact::sole;
+    std::vector<std::string_view> assumed;
+    if (!load_transfer_)
+      assumed.push_back("load_transfer");
+    if (!phase_ && sole != other_sole)
+      assumed.push_back("phase");
+    if (!assumed.empty())
+      trajectory_.assumptions.push_back(fmt::format(
+          "both feet keep their contacts throughout, and no column says {}: 0.5, half of the load handed over; a "
+          "posture that is not symmetric still loads its feet unequally under the method constrained",
+          fmt::join(assumed, " and ")));
   }
 
   CsvReader reader_;
@@ -484,6 +502,8 @@ DesiredMessages encode_all(const Trajectory& trajectory)
 std::vector<std::string> notes(const Origin& origin, const std::string& robot, std::int64_t model_id)
 {
   std::vector<std::string> lines;
+  for (const std::string& assumption : origin.assumptions)
+    lines.push_back(fmt::format("{}: {}", origin.file, assumption));
   if (origin.damaged_bytes > 0)
     lines.push_back(fmt::format("{}: {} bytes belong to no whole record of the log; they were passed over", origin.file,
                                 origin.damaged_bytes));

@@ -319,6 +319,51 @@ TEST_CASE("load_transfer is the share of the whole double support's time, whatev
   CHECK(walk({"20", "22", "22"})[2].load_transfer == 1.0);
 }
 
+TEST_CASE("where both feet keep their contacts throughout, half of the load is handed over, and a note says so",
+          "[trajectory]")
+{
+  for (const std::vector<std::string>& contacts :
+       {std::vector<std::string>{"22"}, {"22", "22", "22"}, {"21", "21"}, {"32", "32", "32"}, {"13", "13"}})
+  {
+    CAPTURE(contacts);
+    for (const desired_state_t& state : walk(contacts))
+    {
+      CHECK(state.load_transfer == 0.5);
+      CHECK(state.phase == 0.5);
+    }
+  }
+  CHECK(walk({"20", "20", "20"})[1].load_transfer == 0.0);
+  CHECK(walk({"22", "22", "20"})[0].load_transfer == 0.0); // a double support that ends: from 0 on
+
+  // which columns do not say, of those that mean something
+  const auto said = [](const std::string& contact, const std::set<std::string>& columns)
+  {
+    std::map<std::string, std::string> cells{{"contactR", contact}};
+    for (const std::string& column : columns)
+      cells[column] = "0.25";
+    const Trajectory trajectory = read(table(cells));
+    CHECK((trajectory.states[0].load_transfer == 0.25) == columns.contains("load_transfer"));
+    CHECK((trajectory.states[0].phase == 0.25) == columns.contains("phase"));
+    const auto lines = notes(trajectory, "", 0);
+    CHECK(lines.size() <= 1);
+    return lines.empty() ? "" : lines.front();
+  };
+  const auto note = [](const std::string& columns)
+  {
+    return "t.csv: both feet keep their contacts throughout, and no column says " + columns +
+           ": 0.5, half of the load handed over; a posture that is not symmetric still loads its feet unequally under "
+           "the method constrained";
+  };
+  CHECK(said("2", {}) == note("load_transfer"));
+  CHECK(said("2", {"phase"}) == note("load_transfer"));
+  CHECK(said("2", {"load_transfer"}) == "");
+  CHECK(said("1", {}) == note("load_transfer and phase"));
+  CHECK(said("1", {"phase"}) == note("load_transfer"));
+  CHECK(said("1", {"load_transfer"}) == note("phase"));
+  CHECK(said("1", {"load_transfer", "phase"}) == "");
+  CHECK(notes(read(table({})), "", 0).empty()); // on one foot neither means anything
+}
+
 TEST_CASE("the foot that landed last leads", "[trajectory]")
 {
   struct Row
