@@ -174,9 +174,8 @@ TEST_CASE("help, version and the printed configuration come without a bus", "[da
 {
   const auto [help_code, help] = run({"--help"});
   CHECK(help_code == 0);
-  for (const char* option :
-       {"--robot", "--config", "--method", "--lcm-url", "--prefix", "--every-sample", "--log-level", "--version",
-        "--print-config", "default: zmp-transition", "human-transition"})
+  for (const char* option : {"--robot", "--config", "--method", "--lcm-url", "--prefix", "--every-sample",
+                             "--log-level", "--version", "--print-config", "default: constrained", "human-transition"})
     CHECK(help.find(option) != std::string::npos);
   const auto [version_code, version] = run({"--version"});
   CHECK(version_code == 0);

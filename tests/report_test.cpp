@@ -98,7 +98,7 @@ TEST_CASE("a page shows what eval answers, and the robot where the motion has it
   CAPTURE(report.err);
   REQUIRE(report.code == 0);
   CHECK(report.err == "");
-  CHECK(report.out == "walk.csv: zmp-transition: 85 of 85 samples answered\n");
+  CHECK(report.out == "walk.csv: constrained: 85 of 85 samples answered\n");
 
   const Json shown = document(page);
   CHECK(shown["robot"]["name"] == "rk");

@@ -94,7 +94,9 @@ TEST_CASE("eval answers the measured walk, one row for each of its rows", "[torq
   const Run eval = run({"eval", kWalk, "--robot", "human-subject01", "-o", out});
   CHECK(eval.code == 0);
   CHECK(eval.err == "");
-  CHECK(eval.out == "human-subject01: 447 of 447 samples answered, 0 rejected\nflags: INCONSISTENT 447, TIPS 110\n");
+  CHECK(eval.out ==
+        "human-subject01: 447 of 447 samples answered, 0 rejected\nflags: CONTACT_ACCELERATION 447, INCONSISTENT 447, "
+        "RELAXED 2, TIPS 17\n");
 
   const auto table = rows(out);
   const Trajectory walk = read_walk(robot);
@@ -287,9 +289,12 @@ TEST_CASE("an exported log reads back as the same desired states, beside their a
   const Run exported = run({"export", log_file, "-o", csv});
   CHECK(exported.code == 0);
   CHECK(exported.err == "");
-  CHECK(exported.out == fmt::format("human-subject01: 445 of 447 samples answered, 1 without an answer, 1 rejected: "
-                                    "STALE 1\nflags: INCONSISTENT 445, TIPS 110\n  STALE, first: {}: record 14: late\n",
-                                    log_file));
+  CHECK(
+      exported.out ==
+      fmt::format(
+          "human-subject01: 445 of 447 samples answered, 1 without an answer, 1 rejected: "
+          "STALE 1\nflags: CONTACT_ACCELERATION 445, INCONSISTENT 445, TIPS 20\n  STALE, first: {}: record 14: late\n",
+          log_file));
 
   // the desired states
   const Trajectory read = parse_trajectory(read_file(csv), csv, coordinate_names(robot), false, Channels());

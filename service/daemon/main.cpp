@@ -56,7 +56,8 @@ std::optional<Config> configure(int argc, char** argv)
       ->type_name("NAME|FILE");
   app.add_option("--config", file, "a TOML file that sets what flags do not")->type_name("FILE");
   app.add_option("--method", method,
-                 fmt::format("how double support is resolved: {}; default: zmp-transition", fmt::join(methods, ", ")))
+                 fmt::format("how double support is resolved: {}; default: {}", fmt::join(methods, ", "),
+                             name_of(MethodSettings{}.method)))
       ->type_name("NAME");
   app.add_option("--lcm-url", lcm_url, "the bus; default: LCM_DEFAULT_URL, or LCM's own default")->type_name("URL");
   app.add_option("--prefix", prefix, "stands before each channel's name")->type_name("TEXT");

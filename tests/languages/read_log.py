@@ -27,7 +27,7 @@ assert len(walk) == len(commands) == 447
 for k, joint in enumerate(model.joint_names):
     assert numpy.array_equal(walk["tau_" + joint], [command.torque[k] for command in commands]), joint
 assert numpy.array_equal(walk["fzR"], [command.right.fz for command in commands])
-assert set(walk["method"]) == {"none", "zmp-transition"}
+assert set(walk["method"]) == {"none", "constrained"}
 print(len(commands), "commands,", walk["tau_left_ankle"].max(), "N m at most at the left ankle")
 total = 0.0  # one after another: newer sum() rounds less
 for command in commands:
