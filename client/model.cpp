@@ -132,6 +132,7 @@ std::string actuator_details(const Actuator& actuator, const Units& units)
   if (actuator.stribeck != 0.0)
     add(actuator.stribeck_velocity, "at", units.speed);
   add(actuator.friction_offset, "friction offset", units.torque);
+  add(actuator.stick_velocity, "continuous below", units.speed);
   return text;
 }
 

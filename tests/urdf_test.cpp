@@ -391,6 +391,7 @@ viscous = 2
 stribeck = 3
 stribeck_velocity = 4
 friction_offset = 5
+stick_velocity = 0.25
 rate_limit = 6
 [[actuator]]
 name = "push"

@@ -555,6 +555,8 @@ private:
            {actuator.kappa, actuator.torque_limit, actuator.rate_limit, actuator.rotor_inertia, actuator.coulomb,
             actuator.viscous, actuator.stribeck, actuator.stribeck_velocity, actuator.friction_offset})
         hash.add(number);
+      if (actuator.stick_velocity != 0.0) // a robot without it keeps the id that it had before there was one
+        hash.add(actuator.stick_velocity);
     }
     for (const Foot& foot : robot.feet)
     {

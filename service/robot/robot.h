@@ -128,6 +128,7 @@ struct Actuator
   double stribeck = 0.0;          ///< κ_s, N m
   double stribeck_velocity = 1.0; ///< η_s, rad/s; positive
   double friction_offset = 0.0;   ///< κ_o, N m
+  double stick_velocity = 0.0;    ///< half the width of the window in which sgn is a straight line, rad/s; 0: none
   double offset = 0.0;            ///< what its coordinate adds to its angle, rad
 };
 

@@ -171,6 +171,7 @@ RobotDescription::ActuatorEntry read_actuator(StrictTable& table)
   if (!(actuator.stribeck_velocity > 0.0))
     table.fail("stribeck_velocity", fmt::format("found {}; expected a positive number", actuator.stribeck_velocity));
   actuator.friction_offset = table.number("friction_offset", 0.0);
+  actuator.stick_velocity = table.magnitude("stick_velocity", 0.0);
   table.finish();
   return entry;
 }
