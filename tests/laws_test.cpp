@@ -538,8 +538,8 @@ TEST_CASE("within its stick velocity friction is continuous, and beyond it what 
 
     // nowhere a jump: no steeper than at rest, where the slope is (κ_c + κ_s) / s + κ_v; nor than the viscous and
     // Stribeck terms are by themselves, 1 / η_s being more than the slope of exp(−x²)
-    const double slope = (jumps.coulomb + jumps.stribeck) / edge + jumps.viscous +
-                         jumps.stribeck / jumps.stribeck_velocity;
+    const double slope =
+        (jumps.coulomb + jumps.stribeck) / edge + jumps.viscous + jumps.stribeck / jumps.stribeck_velocity;
     for (const double from : {-edge, 0.0, rate, edge})
       for (const double step : {1e-9 * edge, 1e-3 * edge})
         CHECK(std::abs(with(from + step) - with(from - step)) <= 2.0 * step * slope * (1.0 + 1e-6) + 1e-14);

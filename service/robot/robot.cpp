@@ -3,6 +3,7 @@
 #include "planar/kinematics.h"
 #include "robot/fnv.h"
 #include "robot/strict_toml.h"
+#include "robot/urdf_unread.h"
 
 #include <Eigen/LU>
 #include <algorithm>
@@ -48,6 +49,9 @@ public:
     check_magnitudes(robot);
     fold_motors(robot);
     robot.model_id = model_id(robot);
+    robot.notes = description_.notes;
+    for (const RobotDescription::UnreadEntry& entry : description_.unread)
+      robot.notes.push_back(note_of(entry));
     return robot;
   }
 
