@@ -1,6 +1,7 @@
 #include "client/answer_table.h"
 #include "client/files.h"
 #include "client/lcm_log.h"
+#include "client/noted_robot.h"
 #include "client/recorded.h"
 #include "client/subcommands.h"
 #include "client/tally.h"
@@ -113,7 +114,7 @@ private:
 model_info_t robot_of(const Trajectory& trajectory, const std::string& robot)
 {
   if (!robot.empty())
-    return model_info(load_robot(robot), 0, 0, "");
+    return model_info(load_noted_robot(robot), 0, 0, "");
   if (!trajectory.recorded_model)
     throw Failure(
         ExitCode::bad_data,

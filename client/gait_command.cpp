@@ -1,6 +1,7 @@
 #include "client/answer_table.h"
 #include "client/files.h"
 #include "client/gait.h"
+#include "client/noted_robot.h"
 #include "client/subcommands.h"
 
 #include <CLI/CLI.hpp>
@@ -137,7 +138,7 @@ ExitCode run(const GaitCommand& command)
   if (!command.out.ends_with(".csv") && command.out != "-")
     throw Failure(ExitCode::usage,
                   fmt::format("-o: found \"{}\"; expected a name that ends in .csv, or -", command.out));
-  const Robot robot = load_robot(command.robot);
+  const Robot robot = load_noted_robot(command.robot);
   const Gait gait = find_gait(command, robot);
   const GaitOptions& options = gait.options();
   double shortest = std::numeric_limits<double>::infinity();

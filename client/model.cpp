@@ -1,3 +1,4 @@
+#include "client/noted_robot.h"
 #include "client/subcommands.h"
 #include "robot/robot_files.h"
 #include "robot/strict_toml.h"
@@ -196,7 +197,7 @@ ExitCode model(const Options& options)
     fmt::print("{}\n", fmt::join(shipped_robot_names(), "\n"));
     return ExitCode::done;
   }
-  const Robot robot = load_robot(options.robot);
+  const Robot robot = load_noted_robot(options.robot);
   if (options.toml || options.urdf || !options.toml_for.empty())
   {
     if (!options.toml_for.empty())

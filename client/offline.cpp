@@ -1,6 +1,7 @@
 #include "client/offline.h"
 
 #include "client/files.h"
+#include "client/noted_robot.h"
 #include "client/subcommands.h"
 
 #include <CLI/CLI.hpp>
@@ -38,7 +39,7 @@ OfflineInput read_offline_input(const OfflineOptions& options)
     config.robot = options.robot;
   set_flag("--method", set_method, config, options.method);
   set_flag("--prefix", set_prefix, config, options.prefix);
-  Robot robot = load_robot(config.robot);
+  Robot robot = load_noted_robot(config.robot);
   check_fits(config, robot);
   DesiredMessages desired =
       read_messages(options.file, coordinate_names(robot), options.differentiate, Channels(config.prefix));

@@ -1,6 +1,7 @@
 #include "client/answer_table.h"
 #include "client/files.h"
 #include "client/lcm_log.h"
+#include "client/noted_robot.h"
 #include "client/offline.h"
 #include "client/recorded.h"
 #include "client/report_page.h"
@@ -67,7 +68,7 @@ Robot find_robot(const std::vector<Input>& inputs, const Config& config, const O
 {
   const auto log =
       std::find_if(inputs.begin(), inputs.end(), [](const Input& input) { return LogReader::is_log(input.bytes); });
-  return options.robot.empty() && log != inputs.end() ? recorded_robot(*log, channels) : load_robot(config.robot);
+  return options.robot.empty() && log != inputs.end() ? recorded_robot(*log, channels) : load_noted_robot(config.robot);
 }
 
 // Of several streams the one with the most samples: their clocks have nothing to do with one another.

@@ -1,5 +1,6 @@
 #include "client/bus.h"
 #include "client/live_motion.h"
+#include "client/noted_robot.h"
 #include "client/recorded.h"
 #include "client/subcommands.h"
 #include "robot/printable.h"
@@ -37,7 +38,7 @@ public:
 
   void set_model(const model_info_t& model)
   {
-    Robot robot = options_.robot.empty() ? shipped_robot(model, "torqued") : load_robot(options_.robot);
+    Robot robot = options_.robot.empty() ? shipped_robot(model, "torqued") : load_noted_robot(options_.robot);
     if (robot.model_id != model.model_id)
       throw Failure(ExitCode::bad_data, fmt::format("--robot: torqued computes {} (model_id {}), not this {} (model_id "
                                                     "{})",

@@ -157,6 +157,8 @@ int serve(const Config& config)
   }
   log->info("answering {} on {}TORQUED_DESIRED, {:.1f} kg, {} joints, method {}", robot.name, config.prefix,
             robot.mechanism.mass(), robot.num_joints(), name_of(config.answers.methods.method));
+  for (const std::string& note : robot.notes)
+    log->warn(note);
   if (std::none_of(robot.feet.begin(), robot.feet.end(), [](const Foot& foot) { return foot.exists(); }))
     log->warn("{} has no feet: no contact with the ground is possible; a TOML file with [[foot]] tables gives it some",
               robot.name);
