@@ -79,14 +79,17 @@ TEST_CASE("a frame turned by a rounded angle gives the numbers of the exact one"
   }
 
   // a frame that stands askew is in the plane by its joint's axis
-  Walker askew;
-  askew.left_origin = "<origin xyz=\"0 0.1 0\" rpy=\"0.5 0 0\"/>";
-  askew.left_axis = fmt::format("0 {} {}", std::cos(0.5), -std::sin(0.5));
-  Walker rounded = askew;
-  rounded.left_axis = fmt::format("0 {:.5f} {:.5f}", std::cos(0.5), -std::sin(0.5));
-  check_same_numbers(rounded.robot(), askew.robot(), 1e-5);
-  CHECK(all_notes(askew.robot()) == "");
-  CHECK(rounded.robot().notes.size() == 1);
+  const auto askew = [](const std::string& rpy)
+  {
+    Walker walker;
+    walker.left_origin = "<origin xyz=\"0.02 0.1 -0.05\" rpy=\"" + rpy + " 0 0\"/>";
+    walker.left_axis = "0 1 -1";
+    return walker.robot();
+  };
+  const Robot exact = askew("0.7853981633974483");
+  check_same_numbers(askew("0.7854"), exact, 1e-12);
+  CHECK(all_notes(exact) == "");
+  CHECK(all_notes(askew("0.7854")).find("joint 'left_hip' by 1.84e-06 rad") != std::string::npos);
 }
 
 TEST_CASE("an axis further from the pitch axis than a rounded angle is refused, with both angles", "[urdf_exporters]")
