@@ -123,11 +123,14 @@ TEST_CASE("model and status are published unasked, and say which robot and which
   CHECK(bench.statuses.back().state == status_t::WAITING);
 }
 
-TEST_CASE("a robot without feet is computed with in the air, and the log says so", "[daemon_process]")
+TEST_CASE("a robot without feet is computed with in the air, and the log says so, and what of its file is not read", "[daemon_process]")
 {
   const TemporaryFolder folder;
-  Bench bench({"--robot", folder.write("flier.urdf", to_urdf(load_robot("rabbit")))});
+  std::string urdf = to_urdf(load_robot("rabbit"));
+  urdf.insert(urdf.find("</joint>"), "<dynamics damping=\"2\"/>");
+  Bench bench({"--robot", folder.write("flier.urdf", urdf)});
   CHECK(bench.wait([&] { return bench.output().find("no contact with the ground is possible") != std::string::npos; }));
+  CHECK(bench.output().find("<dynamics damping=2> is not read: set viscous in the TOML") != std::string::npos);
   CHECK(bench.model->joint_names == std::vector<std::string>{"left_knee", "left_hip", "right_hip", "right_knee"});
   bench.send(bench.standing());
   REQUIRE(bench.wait([&] { return !bench.rejections.empty(); }));

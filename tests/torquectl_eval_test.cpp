@@ -5,6 +5,7 @@
 #include "client/lcm_log.h"
 #include "client/trajectory.h"
 #include "daemon/lcm_loop.h"
+#include "robot/robot_files.h"
 #include "run_torquectl.h"
 
 #include <algorithm>
@@ -616,9 +617,9 @@ TEST_CASE("a robot's printed file is the robot, and its description names every 
   std::string itlag = run({"model", "--robot", "bip-itlag", "--toml"}).out;
   const std::string slide = "on = \"counterweight\"";
   REQUIRE(itlag.find(slide) != std::string::npos);
-  itlag.replace(itlag.find(slide), slide.size(), "torque_limit = 30.0\nviscous = 1.5\n" + slide);
+  itlag.replace(itlag.find(slide), slide.size(), "torque_limit = 30.0\nviscous = 1.5\nstick_velocity = 0.01\n" + slide);
   const std::string described = run({"model", "--robot", folder.write("i.toml", itlag)}).out;
-  CHECK(described.find(" 30 N           none  viscous friction 1.5 N s/m\n") != std::string::npos);
+  CHECK(described.find(" 30 N           none  viscous friction 1.5 N s/m, continuous below 0.01 m/s\n") != std::string::npos);
 }
 
 TEST_CASE("a robot is printed as URDF, and what its URDF leaves out as TOML", "[torquectl_eval]")
@@ -647,4 +648,23 @@ TEST_CASE("a robot is printed as URDF, and what its URDF leaves out as TOML", "[
   CHECK(none.err ==
         "torquectl: link 'pelvis' is parallel to the world; a URDF cannot say that, and this robot has none\n");
   CHECK(run({"model", "--urdf", "--toml"}).code == 64);
+}
+
+TEST_CASE("what of a URDF is not read is said wherever the robot is loaded", "[torquectl_eval]")
+{
+  const TemporaryFolder folder;
+  std::string urdf = to_urdf(load_robot("rabbit"));
+  urdf.insert(urdf.find("</joint>"), "<dynamics damping=\"2\"/>");
+  const std::string robot = folder.write("rabbit.urdf", urdf);
+  const std::string motion = folder.write("nothing.csv", "time\n");
+  for (const std::vector<std::string>& words : std::vector<std::vector<std::string>>{
+           {"model", "--robot", robot},
+           {"model", "--robot", robot, "--toml"},
+           {"eval", motion, "--robot", robot, "-o", folder.file("out.csv")},
+           {"gait", "--robot", robot, "-o", folder.file("out.csv")}})
+  {
+    CAPTURE(words.front());
+    CHECK(run(words).err.find("torquectl: note: " + robot + ":") == 0);
+    CHECK(run(words).err.find("<dynamics damping=2> is not read: set viscous in the TOML\n") != std::string::npos);
+  }
 }

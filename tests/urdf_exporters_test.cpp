@@ -78,6 +78,13 @@ TEST_CASE("a frame turned by a rounded angle gives the numbers of the exact one"
           });
   }
 
+  // the root's own joints, which are none of the robot's
+  const std::string mounted =
+      all_notes(with_head(link_element("world") +
+                          joint_element("base", "floating", "world", "trunk", "", "<origin rpy=\"0 0 3.14159\"/>"))
+                    .robot());
+  CHECK(mounted.find("joint 'base' by 2.65e-06 rad") != std::string::npos);
+
   // a frame that stands askew is in the plane by its joint's axis
   const auto askew = [](const std::string& rpy)
   {
@@ -185,6 +192,10 @@ TEST_CASE("a root that does not float is refused by what holds it", "[urdf_expor
            {link_element("a", "0.01") + link_element("b") + x + z + pitch,
             "link 'a': moves with joint 'px' between the world and the root, and has a mass of 0.01 kg"},
            {link_element("a") + link_element("b", "0.5") + x + z + pitch, "link 'b': moves with joint 'pz' between"},
+           {link_element("a") + link_element("b", "0") + joint_element("pitch", "continuous", "world", "a", "0 1 0") +
+                joint_element("px", "prismatic", "a", "b", "1 0 0") +
+                joint_element("pz", "prismatic", "b", "trunk", "0 0 1"),
+            "link 'b': moves with joint 'px' between the world and the root, and has an inertia"},
            {link_element("a") + x + joint_element("pitch", "continuous", "a", "trunk", "0 1 0"),
             "joint 'px': its parent is the world"},
            {link_element("a") + link_element("b") + x + joint_element("pz", "prismatic", "a", "b", "-1 0 0") + pitch,

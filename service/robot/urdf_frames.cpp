@@ -11,7 +11,6 @@ namespace torqued::urdf
 namespace
 {
 
-constexpr double kNoted = 1e-9;  // rad; what is less is nobody's rounding but that of doubles
 constexpr double kExact = 1e-12; // rad; so near to ±y a frame is left as it is
 
 // the angle between a unit vector and ±y
@@ -44,13 +43,6 @@ bool is_rounded(double angle)
   return angle > kExact && angle <= kRoundedAngle;
 }
 
-// how far a frame is out of the plane, if that is what rounding does; else 0
-double tilt_of(const Eigen::Matrix3d& R)
-{
-  const double angle = from_y(most_sideways(R));
-  return is_rounded(angle) ? angle : 0.0;
-}
-
 // the last rpy by which a joint's frame is turned, as a complaint names it; empty if there is none
 std::string last_rpy(const Model& model, const Joint& joint)
 {
@@ -64,22 +56,38 @@ std::string last_rpy(const Model& model, const Joint& joint)
   }
 }
 
-// refuses an axis that is not ±y; returns how far it is from there
-double check_axis(const Model& model, const Joint& joint, const Eigen::Vector3d& axis)
+[[noreturn]] void refuse_axis(const Model& model, const Joint& joint, const Eigen::Vector3d& axis)
 {
-  const double angle = from_y(axis);
-  if (angle <= kRoundedAngle)
-    return angle;
-  const bool turns = joint.type == Joint::Type::revolute;
   model.fail(joint, fmt::format(
                         "axis: found {}, which is {} in the root's frame, {:.3g} rad from {}y{}; expected one parallel "
                         "to y within {:g} rad, as angles of five digits are: {}",
-                        shown(*joint.axis), shown(axis), angle, axis.y() < 0.0 ? "-" : "+", last_rpy(model, joint),
-                        kRoundedAngle,
-                        turns ? "the robot moves in the x-z plane"
-                              : "what slides in the x-z plane is not a sum of constant rotated vectors, unless it "
-                                "carries the root: two such joints and one about y, from the world on, with no mass "
-                                "between them"));
+                        shown(*joint.axis), shown(axis), from_y(axis), axis.y() < 0.0 ? "-" : "+",
+                        last_rpy(model, joint), kRoundedAngle,
+                        joint.type == Joint::Type::revolute
+                            ? "the robot moves in the x-z plane"
+                            : "what slides in the x-z plane is not a sum of constant rotated vectors, unless it "
+                              "carries the root: two such joints and one about y, from the world on, with no mass "
+                              "between them"));
+}
+
+void remember(Model& model, const std::string& name, double angle)
+{
+  constexpr double noted = 1e-9; // rad; what is less is nobody's rounding but that of doubles
+  if (angle > noted)
+    model.rounded[name] = std::max(model.rounded[name], angle);
+}
+
+// the child's frame of a joint that moves, seen from the root: in the plane by itself or, if it stands askew, by the
+// joint's axis
+Eigen::Matrix3d level_by_axis(Model& model, Joint& joint, const Eigen::Matrix3d& R)
+{
+  const Eigen::Vector3d axis = axis_of(model, joint, R);
+  if (!is_about_y(model, joint, axis))
+    refuse_axis(model, joint, axis);
+  joint.sense = axis.y() > 0.0 ? 1.0 : -1.0;
+  if (from_y(most_sideways(R)) > kRoundedAngle && is_rounded(from_y(axis)))
+    return turn_to_y(axis) * R;
+  return level(model, R, name_of(joint));
 }
 
 } // namespace
@@ -89,9 +97,27 @@ std::string shown(const Eigen::Vector3d& v)
   return fmt::format("({:.6g}, {:.6g}, {:.6g})", v.x(), v.y(), v.z());
 }
 
-Eigen::Matrix3d level(const Eigen::Matrix3d& R)
+std::string name_of(const Joint& joint)
 {
-  return tilt_of(R) > 0.0 ? Eigen::Matrix3d(turn_to_y(most_sideways(R)) * R) : R;
+  return fmt::format("joint '{}'", joint.name);
+}
+
+Eigen::Matrix3d level(Model& model, const Eigen::Matrix3d& R, const std::string& name)
+{
+  const Eigen::Vector3d sideways = most_sideways(R);
+  if (!is_rounded(from_y(sideways)))
+    return R;
+  remember(model, name, from_y(sideways));
+  return turn_to_y(sideways) * R;
+}
+
+bool is_about_y(Model& model, const Joint& joint, const Eigen::Vector3d& axis)
+{
+  const double angle = from_y(axis);
+  if (angle > kRoundedAngle)
+    return false;
+  remember(model, name_of(joint), angle);
+  return true;
 }
 
 Eigen::Vector3d axis_of(const Model& model, const Joint& joint, const Eigen::Matrix3d& R)
@@ -106,37 +132,24 @@ Eigen::Vector3d axis_of(const Model& model, const Joint& joint, const Eigen::Mat
 
 void align_frames(Model& model)
 {
-  std::vector<std::string> rounded;
   for (const int i : model.order)
   {
     Link& link = model.link(i);
-    double tilt = 0.0;
     if (i != model.root)
     {
       Joint& joint = model.joint(link.joint);
-      const Link& parent = model.link(joint.parent);
-      joint.origin.at = parent.R * joint.origin.at;
-      link.R = parent.R * joint.origin.R;
-      tilt = tilt_of(link.R);
-      Eigen::Matrix3d R = level(link.R);
-      if (joint.type != Joint::Type::fixed)
-      {
-        const Eigen::Vector3d axis = axis_of(model, joint, link.R);
-        const double angle = check_axis(model, joint, axis);
-        joint.sense = axis.y() > 0.0 ? 1.0 : -1.0;
-        if (tilt == 0.0 && from_y(most_sideways(R)) > kRoundedAngle && is_rounded(angle))
-          R = turn_to_y(axis) * R; // a frame that stands askew is in the plane by its axis
-        tilt = std::max(tilt, angle);
-      }
-      link.R = R;
-      if (tilt > kNoted)
-        rounded.push_back(fmt::format("joint '{}' by {:.3g} rad", joint.name, tilt));
+      const Eigen::Matrix3d parent = model.link(joint.parent).R;
+      joint.origin.at = parent * joint.origin.at;
+      const Eigen::Matrix3d R = parent * joint.origin.R;
+      link.R = joint.type == Joint::Type::fixed ? level(model, R, name_of(joint)) : level_by_axis(model, joint, R);
     }
-    const Eigen::Matrix3d inertia_R = link.R * link.inertia_R;
-    if (const double angle = tilt_of(inertia_R); angle > kNoted && !link.inertia.isZero(0.0))
-      rounded.push_back(fmt::format("the inertia of '{}' by {:.3g} rad", link.name, angle));
-    link.inertia_R = level(inertia_R);
+    link.inertia_R = link.R * link.inertia_R;
+    if (!link.inertia.isZero(0.0))
+      link.inertia_R = level(model, link.inertia_R, fmt::format("the inertia of '{}'", link.name));
   }
+  std::vector<std::string> rounded;
+  for (const auto& [name, angle] : model.rounded)
+    rounded.push_back(fmt::format("{} by {:.3g} rad", name, angle));
   if (!rounded.empty())
     model.notes.push_back(fmt::format("{}: out of the x-z plane, as rounded angles are, and read as in it: {}",
                                       model.file, fmt::join(rounded, ", ")));

@@ -85,11 +85,12 @@ struct Model
   std::vector<Link> links = {};
   std::vector<Joint> joints = {};
   std::map<std::string, int> link_index = {}, joint_index = {};
-  std::vector<int> order = {};            ///< the robot's links, parents before children
-  int root = -1;                          ///< from find_root() on
-  bool root_is_fixed = false;             ///< to the world
-  std::set<std::string> passed_over = {}; ///< what is there and moves nothing, as a note names it
-  std::vector<std::string> notes = {};    ///< what to know about how the file was read
+  std::vector<int> order = {};                ///< the robot's links, parents before children
+  int root = -1;                              ///< from find_root() on
+  bool root_is_fixed = false;                 ///< to the world
+  std::set<std::string> passed_over = {};     ///< what is there and moves nothing, as a note names it
+  std::map<std::string, double> rounded = {}; ///< what is out of the plane as rounded angles are, and by how much, rad
+  std::vector<std::string> notes = {};        ///< what to know about how the file was read
 
   Link& link(int index) { return links[static_cast<std::size_t>(index)]; }
   const Link& link(int index) const { return links[static_cast<std::size_t>(index)]; }
@@ -121,9 +122,15 @@ inline constexpr double kRoundedAngle = 1e-4;
 /// urdf_frames.cpp
 void align_frames(Model& model);
 
-/// A frame of which one axis is within kRoundedAngle of ±y, turned by the smallest angle that makes it ±y; any other
-/// one as it is.
-Eigen::Matrix3d level(const Eigen::Matrix3d& R);
+/// A frame of which one axis is within kRoundedAngle of ±y, turned by the smallest angle that makes it ±y, and
+/// remembered as rounded by the name of what turned it; any other one as it is.
+Eigen::Matrix3d level(Model& model, const Eigen::Matrix3d& R, const std::string& name);
+
+/// Whether a joint's axis is ±y within kRoundedAngle; if not exactly, it is remembered as rounded.
+bool is_about_y(Model& model, const Joint& joint, const Eigen::Vector3d& axis);
+
+/// "joint 'left_hip'"
+std::string name_of(const Joint& joint);
 
 /// A unit vector along the joint's axis, seen from the root. R: the child's frame seen from there.
 Eigen::Vector3d axis_of(const Model& model, const Joint& joint, const Eigen::Matrix3d& R);

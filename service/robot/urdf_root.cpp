@@ -130,14 +130,15 @@ private:
       {
         if (slides.empty())
           return false;
-        model_.fail(link, fmt::format("moves with {} between the world and the root, and has a mass of {} kg; a root "
-                                      "floats only on links without mass",
-                                      fmt::format("joint '{}'", model_.joint(link.joint).name), link.mass));
+        model_.fail(link, fmt::format("moves with {} between the world and the root, and has {}; a root floats only on "
+                                      "links without mass",
+                                      name_of(model_.joint(link.joint)),
+                                      link.mass != 0.0 ? fmt::format("a mass of {} kg", link.mass) : "an inertia"));
       }
       const Joint& joint = model_.joint(next.front());
       if (joint.mimic)
         return false;
-      R = level(R * joint.origin.R);
+      R = level(model_, R * joint.origin.R, name_of(joint));
       at = joint.child;
       used.push_back(next.front());
       if (joint.type == Joint::Type::floating || joint.type == Joint::Type::planar)
@@ -153,7 +154,7 @@ private:
       const Eigen::Vector3d axis = axis_of(model_, joint, R);
       if (joint.type == Joint::Type::revolute)
       {
-        if (turns || !is_along_y(axis))
+        if (turns || !is_about_y(model_, joint, axis))
           return false;
         turns = true;
         continue;
@@ -169,11 +170,9 @@ private:
     return true;
   }
 
-  static bool is_along_y(const Eigen::Vector3d& axis) { return std::hypot(axis.x(), axis.z()) <= kRoundedAngle; }
-
-  void check_plane(const Joint& joint, const Eigen::Matrix3d& R) const
+  void check_plane(const Joint& joint, const Eigen::Matrix3d& R)
   {
-    if (const Eigen::Vector3d axis = axis_of(model_, joint, R); !is_along_y(axis))
+    if (const Eigen::Vector3d axis = axis_of(model_, joint, R); !is_about_y(model_, joint, axis))
       model_.fail(joint, fmt::format("axis: found {}, the normal of its plane; expected y: the robot moves in the x-z "
                                      "plane",
                                      shown(*joint.axis)));
@@ -198,7 +197,7 @@ private:
                          "the x-z plane and one turns about y, with no mass between them, and carry it");
     model_.root = joint.child;
     model_.root_is_fixed = true;
-    R_ = level(joint.origin.R);
+    R_ = level(model_, joint.origin.R, name_of(joint));
     used_ = joints;
   }
 
