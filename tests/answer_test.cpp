@@ -281,3 +281,48 @@ TEST_CASE("the same desired state and memory give the same bits", "[answer]")
     CHECK(std::memcmp(&a.ground, &b.ground, sizeof a.ground) == 0);
   }
 }
+
+TEST_CASE("the accelerations of an answer are those that were asked for, and the base point's that follow", "[answer]")
+{
+  const Robot robot = load_robot("human-subject01");
+  oracle::Random random(53);
+  StreamMemory memory;
+  for (int i = 0; i < 50; ++i)
+  {
+    DesiredState desired =
+        oracle::desired_state(oracle::random_motion(random), Contact::sole, Contact::none, Side::left, 0.0);
+    Answer found = answered(robot, {}, desired, memory);
+    CHECK(found.a == desired.a.head<7>());
+    CHECK(found.base_a == desired.a.tail<2>());
+    CHECK(found.adjustment == 0.0);
+    desired.relative_a = VectorQ::LinSpaced(7, 1.0, 7.0); // what was sent, whatever it was made to
+    CHECK(answered(robot, {}, desired, memory).a == desired.relative_a);
+
+    // J a + J̇ v = 0 at the ankle of the foot that stands
+    desired.base_given = false;
+    found = answered(robot, {}, desired, memory);
+    const Motion motion = std::get<Motion>(complete_motion(robot, desired));
+    const auto [J, Jdot_v] = contact_rows(robot, motion.now, desired.support);
+    VectorQ a = desired.a;
+    a.tail<2>() = found.base_a;
+    CHECK(((J * a + Jdot_v).head<2>().norm()) < 1e-12 * (1.0 + a.norm() + Jdot_v.norm()));
+  }
+}
+
+TEST_CASE("the base point of a fixed root does not accelerate", "[answer]")
+{
+  oracle::Random random(54);
+  const Robot robot = oracle::random_tree(random, true);
+  DesiredState desired{};
+  desired.support = {{Contact::none, Contact::none}, Side::left, 0.0, 0.0};
+  for (const Side side : kSides)
+    if (robot.is_root(robot.foot(side)))
+      desired.support.contact[static_cast<std::size_t>(side)] = Contact::sole;
+  desired.q = desired.v = desired.a = VectorQ::Zero(robot.mechanism.num_q());
+  for (int i = 0; i < robot.num_coordinates(); ++i)
+    desired.a(i) = oracle::uniform(random, -5.0, 5.0);
+  StreamMemory memory;
+  const Answer found = answered(robot, {}, desired, memory);
+  CHECK(found.base_a == Eigen::Vector2d::Zero());
+  CHECK(found.a == desired.a.head(robot.num_coordinates()));
+}

@@ -207,6 +207,7 @@ TEST_CASE("newest wins: of the samples that wait only the last good one is answe
   CHECK(status.last_reason == rejection_t::OTHER_STREAM);
   CHECK(status.state == status_t::RUNNING);
   CHECK(status.dropped_logs == 5);
+  CHECK(status.dropped_upper_bound == -1);
   CHECK(status.input_age_us >= 100'000);
 }
 

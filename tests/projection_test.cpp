@@ -452,9 +452,29 @@ TEST_CASE("with project = true the projection is answered, and what was wrong be
     CHECK((direct.flags & (flag::projected | flag::inconsistent)) == 0);
     CHECK(answered.torque == direct.torque);
     CHECK(answered.zmp == direct.zmp);
+    // the accelerations are those of the motion that was answered, beside how far they were moved
+    CHECK(answered.a == direct.a);
+    CHECK(answered.base_a == direct.base_a);
+    CHECK(answered.adjustment == (on.a - off.a).head(robot.num_coordinates()).cwiseAbs().maxCoeff());
+    CHECK(answered.adjustment > 0.0);
+    CHECK(direct.adjustment == 0.0);
+    DesiredState asked_relative = off;
+    const auto in_relative = [&robot](const VectorQ& a) -> VectorQ
+    {
+      const int n = robot.num_coordinates();
+      return robot.A.topLeftCorner(n, n) * a.head(n);
+    };
+    asked_relative.relative_a = in_relative(off.a);
+    StreamMemory unused;
+    const Answer relative = std::get<Answer>(answer(robot, moving, asked_relative, unused));
+    CHECK(mismatch(relative.a, in_relative(on.a), 1e-12) == "");
+    CHECK(mismatch(relative.adjustment, in_relative(on.a - off.a).cwiseAbs().maxCoeff(), 1e-9) == "");
+    CHECK(relative.torque == answered.torque);
     // what keeps its contacts is answered as without, and without the flag
     const Answer same = std::get<Answer>(answer(robot, moving, on, fresh[3]));
     CHECK((same.flags & flag::projected) == 0);
+    CHECK(same.a == on.a.head(robot.num_coordinates()));
+    CHECK(same.adjustment == 0.0);
     CHECK(mismatch(same.torque, direct.torque, 1e-9) == "");
 
     // a tolerance is one of the motion as it was sent

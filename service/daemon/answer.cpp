@@ -106,14 +106,38 @@ bool all_finite(const Answer& answer)
   // a number that is not finite makes the sum so; a torque, or a foot's wrench, that is not makes the residual so
   double sum = 0.0 * answer.zmp + 0.0 * answer.dynamics_residual;
   sum += 0.0 * answer.contact_speed + 0.0 * answer.contact_residual;
+  sum += 0.0 * answer.base_a.x() + 0.0 * answer.base_a.y() + 0.0 * answer.adjustment;
   for (const GroundReaction& foot : answer.ground)
     sum += 0.0 * foot.cop + 0.0 * foot.friction_ratio;
   return is_finite(sum);
 }
 
-// before: how far the motion was from its contacts before it was projected; empty if it was not
-std::optional<Refusal> answer_motion(const Robot& robot, const AnswerSettings& settings, const DesiredState& desired,
-                                     const std::optional<ContactErrors>& before, StreamMemory& memory, Answer& answer)
+// The coordinates' accelerations: those asked for, or, where the motion was moved, its own in the coordinates that were
+// asked in.
+void set_accelerations(const Robot& robot, const DesiredState& asked, const DesiredState& motion, bool moved,
+                       Answer& answer)
+{
+  const int n = robot.num_coordinates();
+  const bool relative = asked.relative_a.size() > 0;
+  if (relative)
+    answer.a = asked.relative_a;
+  else
+    answer.a = asked.a.head(n);
+  if (!moved)
+    return;
+  const VectorQ before = answer.a;
+  if (relative)
+    answer.a.noalias() = robot.A.topLeftCorner(n, n) * motion.a.head(n);
+  else
+    answer.a = motion.a.head(n);
+  answer.adjustment = (answer.a - before).lpNorm<Eigen::Infinity>();
+}
+
+// asked, desired: the motion as it was sent, and the one that is answered. before: how far the motion was from its
+// contacts before it was projected; empty if it was not
+std::optional<Refusal> answer_motion(const Robot& robot, const AnswerSettings& settings, const DesiredState& asked,
+                                     const DesiredState& desired, const std::optional<ContactErrors>& before,
+                                     StreamMemory& memory, Answer& answer)
 {
   const Result<SupportEquations> built = support_equations(robot, desired);
   if (const Refusal* refusal = std::get_if<Refusal>(&built))
@@ -151,6 +175,9 @@ std::optional<Refusal> answer_motion(const Robot& robot, const AnswerSettings& s
   answer.zmp = zero_moment_point(robot, equations);
   answer.contact_speed = errors.speed;
   answer.contact_residual = errors.acceleration;
+  set_accelerations(robot, asked, desired, (flags & flag::projected) != 0, answer);
+  if (!robot.fixed_root())
+    answer.base_a = equations.base_acceleration;
   if (const auto refusal = apply_limits(robot, settings, desired, memory, solution.torque, flags))
     return *refusal;
   answer.dynamics_residual = dynamics_residual(robot, equations, solution);
@@ -215,7 +242,7 @@ Result<Answer> answer(const Robot& robot, const AnswerSettings& settings, const 
   Result<Answer> result(std::in_place_type<Answer>);
   const auto fill = [&](const DesiredState& motion, const std::optional<ContactErrors>& before)
   {
-    if (const auto refusal = answer_motion(robot, settings, motion, before, memory, std::get<Answer>(result)))
+    if (const auto refusal = answer_motion(robot, settings, desired, motion, before, memory, std::get<Answer>(result)))
       result = *refusal;
   };
   if (!settings.project)

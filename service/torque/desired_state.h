@@ -73,6 +73,8 @@ struct DesiredState
   Method method;          ///< none: the daemon's setting
   Support support;
   VectorQ q, v, a; ///< angles, then the base point's x and z
+  /// a as it was sent in RELATIVE coordinates, without the base point; empty if it was sent in ABSOLUTE ones.
+  VectorQ relative_a = {};
 };
 
 } // namespace torqued
