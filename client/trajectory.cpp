@@ -82,6 +82,8 @@ public:
     if (differentiate_)
       differentiate();
     complete_supports();
+    if (time_)
+      trajectory_.seconds = seconds_;
     return std::move(trajectory_);
   }
 
@@ -130,8 +132,6 @@ private:
     utime_ = find("utime");
     if (!time_ && !utime_)
       fail("time", "no column time or utime", "time (s) or utime (µs)");
-    if (time_ && utime_)
-      fail("utime", "both time and utime", "one of the two");
     const std::vector<std::string> contacts{"contactL", "contactR"};
     if (const auto absent = missing(contacts); !absent.empty())
       fail_missing(absent, "what carries at each foot: 0 to 3, or none, heel, sole, toe");
@@ -216,15 +216,21 @@ private:
     {
       if (!parse(cell(*utime_), utime) || utime < -kLatest || utime > kLatest)
         fail("utime", shown(cell(*utime_)), "a whole number of µs");
-      seconds_.push_back(1e-6 * static_cast<double>(utime - first_utime(utime)));
     }
-    else
+    if (time_)
     {
       const double seconds = number(*time_);
       if (std::abs(seconds) > 1e-6 * static_cast<double>(kLatest))
         fail("time", shown(cell(*time_)), "a time in s");
-      utime = std::llround(1e6 * seconds);
       seconds_.push_back(seconds);
+      if (utime_)
+        check_agreement(utime);
+      else
+        utime = std::llround(1e6 * seconds);
+    }
+    else
+    {
+      seconds_.push_back(1e-6 * static_cast<double>(utime - first_utime(utime)));
     }
     if (!trajectory_.states.empty() && utime <= trajectory_.states.back().utime)
       fail(utime_ ? "utime" : "time",
@@ -232,6 +238,17 @@ private:
            "a later time in each row, by 1 µs or more");
     previous_time_ = cell(utime_ ? *utime_ : *time_);
     return utime;
+  }
+
+  // The last time, and the utime beside it, are as far from those of the first row: each may be rounded to µs.
+  void check_agreement(std::int64_t utime) const
+  {
+    const double elapsed = 1e-6 * static_cast<double>(utime - first_utime(utime));
+    const double spacing = std::max(std::abs(seconds_.front()), std::abs(seconds_.back())) * 0x1p-50;
+    if (std::abs(seconds_.back() - seconds_.front() - elapsed) > 1e-6 + spacing)
+      fail("time",
+           fmt::format("{}, {:.6f} s after the first row", shown(cell(*time_)), seconds_.back() - seconds_.front()),
+           fmt::format("{:.6f} s after it, as utime says, or only one of the two columns", elapsed));
   }
 
   std::int64_t first_utime(std::int64_t utime) const

@@ -2,7 +2,8 @@
 ///
 /// CSV: the first line that is not a comment (#) names the columns, which may stand in any order.
 ///
-///   time | utime          s, rounded to µs | µs; one of the two, strictly increasing
+///   time | utime          s, rounded to µs | µs; strictly increasing. With both, utime counts, and time must say the
+///                         same to 1 µs, but for a constant
 ///   q0, dq0, ddq0, …      each coordinate by its name, rad, with its first and second derivative: all absolute names,
 ///                         or all relative ones; absolute if both are complete
 ///   xH, zH, dxH, …        the base point by its names, m, with derivatives: all six, and the base is GIVEN; or none,
@@ -47,6 +48,7 @@ struct Origin
   std::vector<std::size_t> places; ///< of each state: its line in the CSV, from 1, or its record in the log, from 0
   bool from_log = false;
   std::vector<std::int64_t> heard; ///< of each state of a log: when the logger heard it, µs by its clock
+  std::vector<double> seconds;     ///< of each state of a CSV with a column time: its time, s, not rounded
 
   std::optional<model_info_t> recorded_model; ///< the first that the log holds
   std::size_t undecodable = 0;                ///< messages of the log that are no desired states
