@@ -37,8 +37,20 @@ Answer to_answer(const torque_command_t& command)
   answer.dynamics_residual = command.dynamics_residual;
   answer.contact_speed = command.contact_speed;
   answer.contact_residual = command.contact_residual;
+  answer.base_a = {command.base_a[0], command.base_a[1]};
+  answer.adjustment = command.adjustment;
+  answer.a = Eigen::Map<const Eigen::VectorXd>(command.a.data(), command.num_coordinates);
   answer.torque = Eigen::Map<const Eigen::VectorXd>(command.torque.data(), command.num_joints);
   return answer;
+}
+
+void require_fit(const torque_command_t& command, int num_coordinates, int num_joints, const std::string& robot,
+                 const std::string& where)
+{
+  if (command.num_coordinates != num_coordinates || command.num_joints != num_joints)
+    throw Failure(ExitCode::bad_data,
+                  fmt::format("{}: was answered with {} accelerations and {} torques; expected {} and {}, those of {}",
+                              where, command.num_coordinates, command.num_joints, num_coordinates, num_joints, robot));
 }
 
 RecordedAnswers::RecordedAnswers(std::string_view log, const Channels& channels)

@@ -20,8 +20,14 @@ namespace torqued
 /// where: what holds the model, for complaints. Throws Failure, bad_data, if none is it.
 Robot shipped_robot(const model_info_t& model, const std::string& where);
 
-/// A command as the daemon had it. Requires: as many torques as the robot has actuators.
+/// A command as the daemon had it. Requires: as many torques as the robot has actuators, and accelerations as it has
+/// coordinates.
 Answer to_answer(const torque_command_t& command);
+
+/// Throws Failure, bad_data, unless a command is one of this robot: as many accelerations as coordinates, and torques
+/// as joints. where: of its desired state, for complaints.
+void require_fit(const torque_command_t& command, int num_coordinates, int num_joints, const std::string& robot,
+                 const std::string& where);
 
 /// One answer, and when the logger heard it, µs by its clock.
 struct RecordedAnswer

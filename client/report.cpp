@@ -158,10 +158,7 @@ std::optional<ReportRun> recorded_run(const Input& input, const Samples& samples
       run.times.push_back({NAN, NAN});
       continue;
     }
-    if (command->num_joints != robot.num_joints())
-      throw Failure(ExitCode::bad_data,
-                    fmt::format("{}: was answered with {} torques; expected {}, those of {}", input.trajectory.place(i),
-                                command->num_joints, robot.num_joints(), robot.name));
+    require_fit(*command, robot.num_coordinates(), robot.num_joints(), robot.name, input.trajectory.place(i));
     run.answers.emplace_back(to_answer(*command));
     run.times.push_back(
         {1e-3 * command->compute_ns, static_cast<double>(answer->timestamp - input.trajectory.heard[i])});

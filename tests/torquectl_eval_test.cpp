@@ -12,6 +12,7 @@
 #include <cfenv>
 #include <cstdio>
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <map>
 #include <spdlog/logger.h>
 #include <stdio_ext.h>
@@ -24,11 +25,28 @@ namespace
 
 const std::string kWalk = TRAJECTORIES "/subject01-walk/walk.csv";
 
-std::vector<std::string> with_utime(std::int64_t utime, const std::vector<std::string>& cells)
+// the answer in the last cells of a row
+std::vector<std::string> answer_in(const std::vector<std::string>& row, const std::vector<std::string>& like)
 {
-  std::vector<std::string> row{fmt::format("{}", utime)};
-  row.insert(row.end(), cells.begin(), cells.end());
-  return row;
+  return {row.end() - static_cast<std::ptrdiff_t>(like.size()), row.end()};
+}
+
+// of a floating robot's answer, in the coordinates that were sent
+std::vector<std::string> cells_of(const torque_command_t& command)
+{
+  std::vector<double> accelerations = command.a;
+  accelerations.insert(accelerations.end(), {command.base_a[0], command.base_a[1]});
+  return answer_cells(command, accelerations);
+}
+
+// the column of that name, its rows in order
+std::vector<std::string> column(const std::vector<std::vector<std::string>>& table, const std::string& name)
+{
+  const auto at = std::find(table[0].begin(), table[0].end(), name) - table[0].begin();
+  std::vector<std::string> cells;
+  for (std::size_t i = 1; i < table.size(); ++i)
+    cells.push_back(table[i].at(static_cast<std::size_t>(at)));
+  return cells;
 }
 
 std::string bytes_of(const desired_state_t& state)
@@ -99,14 +117,106 @@ TEST_CASE("eval answers the measured walk, one row for each of its rows", "[torq
   const auto table = rows(out);
   const Trajectory walk = read_walk(robot);
   REQUIRE(table.size() == 1 + walk.states.size());
-  std::vector<std::string> joints;
-  for (const Actuator& actuator : robot.actuators)
-    joints.push_back(actuator.name);
-  std::vector<std::string> columns = answer_columns(joints);
-  columns.insert(columns.begin(), "utime");
-  CHECK(table[0] == columns);
+  CHECK(fmt::format("{}", fmt::join(table[0], ",")) ==
+        "utime,time,q0,q1,q2,q3,q4,q5,q6,xH,zH,dq0,dq1,dq2,dq3,dq4,dq5,dq6,dxH,dzH,ddq0,ddq1,ddq2,ddq3,ddq4,ddq5,ddq6,"
+        "ddxH,ddzH,contactL,contactR,leading,load_transfer,phase,tau_left_ankle,tau_left_knee,tau_left_hip,"
+        "tau_right_hip,tau_right_knee,tau_right_ankle,fxL,fzL,momentL,sole_copL,fxR,fzR,momentR,sole_copR,zmp,flags,"
+        "flag_names,dynamics_residual,contact_speed,contact_residual,a_q0,a_q1,a_q2,a_q3,a_q4,a_q5,a_q6,a_xH,a_zH,"
+        "adjustment,method,rejected");
   for (std::size_t i = 0; i < walk.states.size(); ++i)
     REQUIRE(table[1 + i][0] == fmt::format("{}", walk.states[i].utime));
+  for (const std::string name : {"q0", "q3", "xH", "zH"})
+    CHECK(column(table, "a_" + name) == column(table, "dd" + name));
+  const std::vector<std::string> adjustment = column(table, "adjustment");
+  CHECK(std::count(adjustment.begin(), adjustment.end(), "0") == 447);
+  const std::vector<std::string> flags = column(table, "flags"), names = column(table, "flag_names");
+  for (std::size_t i = 0; i < flags.size(); ++i)
+    REQUIRE(names[i] == (flags[i] == "64" ? "INCONSISTENT" : flags[i] == "68" ? "TIPS|INCONSISTENT" : "?"));
+
+  // the table is the same motion again
+  const Trajectory again = parse_trajectory(read_file(out), out, coordinate_names(robot), false, Channels());
+  CHECK(again.seconds == walk.seconds);
+  REQUIRE(again.states.size() == walk.states.size());
+  for (std::size_t i = 0; i < walk.states.size(); ++i)
+  {
+    desired_state_t expected = walk.states[i];
+    expected.method = again.states[i].method; // that which answered
+    REQUIRE(bytes_of(again.states[i]) == bytes_of(expected));
+  }
+  const std::string second = folder.file("again.csv");
+  REQUIRE(run({"eval", out, "--robot", "human-subject01", "-o", second}).code == 0);
+  CHECK(rows(second) == table);
+}
+
+TEST_CASE("a table's times are those that were read, beside µs", "[torquectl_eval]")
+{
+  const TemporaryFolder folder;
+  const std::string out = folder.file("out.csv");
+  const auto evaluated = [&](const std::string& first, const std::string& times)
+  {
+    std::string text = first;
+    for (const std::string order : {"", "d", "dd"})
+      for (int i = 0; i < 7; ++i)
+        text += fmt::format(",{}q{}", order, i);
+    text += fmt::format(",contactL,contactR\n{},0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,2,0\n", times);
+    REQUIRE(run({"eval", folder.write("in.csv", text), "--robot", "ck", "-o", out}).code == 0);
+    const auto row = rows(out).at(1);
+    return row[0] + "," + row[1];
+  };
+  CHECK(evaluated("time", "0.0333333333") == "33333,0.0333333333");
+  CHECK(evaluated("utime", "33333") == "33333,0.033333");
+  CHECK(evaluated("utime,time", "1700000000033333,0.25") == "1700000000033333,0.25");
+}
+
+TEST_CASE("accelerations are in the coordinates of the table", "[torquectl_eval]")
+{
+  const TemporaryFolder folder;
+  const std::string log_file = folder.file("log.lcm"), out = folder.file("out.csv");
+  const Robot robot = load_robot("human-subject01");
+  const Trajectory walk = read_walk(robot);
+  const bool mixed = GENERATE(false, true);
+  std::vector<std::byte> buffer;
+  LogWriter log(log_file);
+  for (std::size_t i = 0; i < 5; ++i)
+  {
+    desired_state_t state = walk.states[i];
+    if (i < 4 || !mixed)
+    {
+      state.coordinates = desired_state_t::RELATIVE;
+      for (std::vector<double>* numbers : {&state.q, &state.v, &state.a})
+      {
+        Eigen::Map<Eigen::VectorXd> angles(numbers->data(), 7);
+        angles = (robot.A * angles).eval();
+      }
+    }
+    log.write("TORQUED_DESIRED", 0, encode(state, buffer));
+  }
+  log.close();
+  REQUIRE(run({"eval", log_file, "--robot", "human-subject01", "-o", out}).code == 0);
+  const auto table = rows(out);
+  for (const std::string& name : mixed ? robot.absolute_names : robot.relative_names)
+    CHECK(column(table, "a_" + name) == column(table, "dd" + name));
+  CHECK(column(table, "a_xH") == column(table, "ddxH"));
+}
+
+TEST_CASE("a sample of another robot has a row without a motion", "[torquectl_eval]")
+{
+  const TemporaryFolder folder;
+  const std::string log_file = folder.file("log.lcm"), out = folder.file("out.csv");
+  desired_state_t state{};
+  state.utime = 5;
+  state.num_coordinates = 2;
+  state.q = state.v = state.a = {1.0, 2.0};
+  std::vector<std::byte> buffer;
+  LogWriter log(log_file);
+  log.write("TORQUED_DESIRED", 0, encode(state, buffer));
+  log.close();
+  REQUIRE(run({"eval", log_file, "--robot", "ck", "-o", out}).code == 0);
+  const auto table = rows(out);
+  REQUIRE(table[1].size() == table[0].size());
+  CHECK(column(table, "utime") == std::vector<std::string>{"5"});
+  CHECK(column(table, "q0") == std::vector<std::string>{""});
+  CHECK(column(table, "rejected") == std::vector<std::string>{"WRONG_SIZE"});
 }
 
 TEST_CASE("eval gives the bits that the daemon's loop publishes, as CSV and as messages", "[torquectl_eval]")
@@ -136,25 +246,24 @@ TEST_CASE("eval gives the bits that the daemon's loop publishes, as CSV and as m
     CHECK(command.sequence == ++sequence);
     CHECK(command.compute_ns == 0);
     CHECK(command.stream_id == 1);
-    REQUIRE(with_utime(command.utime, answer_cells(command)) == table[static_cast<std::size_t>(sequence)]);
+    const std::vector<std::string>& row = table[static_cast<std::size_t>(sequence)];
+    CHECK(row[0] == fmt::format("{}", command.utime));
+    REQUIRE(answer_in(row, cells_of(command)) == cells_of(command));
 
     // what only the loop knows: time
     torque_command_t published = daemon.answers.at(command.utime);
     published.flags &= ~torque_command_t::LATE;
     CHECK(published.model_id == command.model_id);
     CHECK(published.settings_id == command.settings_id);
-    REQUIRE(answer_cells(published) == answer_cells(command));
+    REQUIRE(cells_of(published) == cells_of(command));
   }
   CHECK(log.skipped() == 0);
   CHECK(sequence == 447);
 
-  // the log is whole: exported, it is the table again, beside the desired states
+  // the log is whole: exported, it is the table again
   const std::string exported = folder.file("exported.csv");
   REQUIRE(run({"export", lcm, "-o", exported}).code == 0);
-  const auto joined = rows(exported);
-  REQUIRE(joined.size() == table.size());
-  for (std::size_t i = 0; i < table.size(); ++i)
-    CHECK(std::equal(table[i].begin() + 1, table[i].end(), joined[i].end() - (table[i].end() - table[i].begin() - 1)));
+  CHECK(rows(exported) == table);
 }
 
 TEST_CASE("eval computes without denormal numbers, as the daemon does", "[torquectl_eval]")
@@ -200,9 +309,16 @@ TEST_CASE("eval says which samples were rejected and why, and answers the others
   const auto table = rows(csv);
   REQUIRE(table.size() == 5);
   CHECK(table[1].back() == "");
-  CHECK(table[2] == with_utime(1'000'000, rejected_cells(6, "OUT_OF_RANGE")));
-  CHECK(table[3] == with_utime(2'000'000, rejected_cells(6, "NOT_SUPPORTED")));
-  CHECK(table[4] == with_utime(3'000'000, rejected_cells(6, "UNKNOWN_METHOD")));
+  const std::size_t size = cells_of({}).size() + 6 + 7;
+  for (const auto& [row, reason] : {std::pair(2, "OUT_OF_RANGE"), {3, "NOT_SUPPORTED"}, {4, "UNKNOWN_METHOD"}})
+  {
+    const auto& found = table[static_cast<std::size_t>(row)];
+    const std::vector<std::string> expected = rejected_cells(size, reason);
+    CHECK(answer_in(found, expected) == expected);
+    CHECK(found[0] == fmt::format("{}000000", row - 1));
+    CHECK(found.size() == table[0].size());
+  }
+  CHECK(column(table, "load_transfer") == std::vector<std::string>{"0.5", "2", "0", "1"});
 
   REQUIRE(run({"eval", in, "-o", lcm, "--prefix", "left/"}).code == 0);
   const std::string bytes = read_file(lcm);
@@ -304,14 +420,14 @@ TEST_CASE("an exported log reads back as the same desired states, beside their a
 
   // their answers
   const auto table = rows(csv);
-  const std::size_t answer_size = answer_cells(daemon.answers.begin()->second).size();
+  const std::size_t answer_size = cells_of(daemon.answers.begin()->second).size();
   for (std::size_t i = 0; i < walk.states.size(); ++i)
   {
     const std::vector<std::string> found(table[1 + i].end() - static_cast<std::ptrdiff_t>(answer_size),
                                          table[1 + i].end());
-    REQUIRE(found == (i == 5   ? rejected_cells(6, "NO_ANSWER")
-                      : i == 7 ? rejected_cells(6, "STALE")
-                               : answer_cells(daemon.answers.at(walk.states[i].utime))));
+    REQUIRE(found == (i == 5   ? rejected_cells(answer_size, "NO_ANSWER")
+                      : i == 7 ? rejected_cells(answer_size, "STALE")
+                               : cells_of(daemon.answers.at(walk.states[i].utime))));
   }
 
   // evaluated again, they are the same answers
@@ -321,7 +437,7 @@ TEST_CASE("an exported log reads back as the same desired states, beside their a
   {
     torque_command_t expected = daemon.answers.at(walk.states[i].utime);
     expected.flags &= ~torque_command_t::LATE;
-    REQUIRE(answered_again[1 + i] == with_utime(walk.states[i].utime, answer_cells(expected)));
+    REQUIRE(answer_in(answered_again[1 + i], cells_of(expected)) == cells_of(expected));
   }
 }
 
@@ -335,6 +451,8 @@ TEST_CASE("export joins answers to desired states by stream and time, in the ord
   state.q.resize(7);
   state.v = state.a = state.q;
   torque_command_t command{};
+  command.num_coordinates = 7;
+  command.a.resize(7);
   command.num_joints = 6;
   command.torque.resize(6);
   std::vector<std::byte> buffer;

@@ -119,14 +119,18 @@ TEST_CASE("echo prints each answer once, as a table, as CSV and as JSON lines", 
     CHECK(echo->wait() == 0);
 
   const std::string csv = read_file(folder.file("csv"));
-  CHECK(csv.starts_with("utime,tau_left_ankle,"));
+  CHECK(csv.starts_with("utime,time,tau_left_ankle,"));
+  CHECK(csv.substr(0, csv.find('\n')).ends_with(",a_0,a_1,a_2,a_3,a_4,a_5,a_6,a_xH,a_zH,adjustment,method,rejected"));
   CHECK(lines(csv) == 11);
   CHECK(lines(read_file(folder.file("table"))) >= 11);
   const std::string json = read_file(folder.file("json"));
   CHECK(lines(json) == 10);
   const auto first = nlohmann::json::parse(json.substr(0, json.find('\n')));
   CAPTURE(first.dump());
-  CHECK(first.dump().find("left_ankle") != std::string::npos);
+  CHECK(first["torque"].contains("left_ankle"));
+  CHECK(first["a"].size() == 7);
+  CHECK(first["base_a"].size() == 2);
+  CHECK(first["adjustment"] == 0.0);
 }
 
 TEST_CASE("echo ends cleanly when it is interrupted", "[torquectl_process]")

@@ -7,6 +7,8 @@ trap 'rm -rf "$folder"' EXIT
 here=$(dirname "$0")
 "$1" eval "$2" --robot human-subject01 -o "$folder/walk.lcm" > /dev/null
 "$1" export "$folder/walk.lcm" -o "$folder/walk.csv" > /dev/null
+"$1" eval "$2" --robot human-subject01 -o "$folder/answers.csv" > /dev/null
+cmp "$folder/walk.csv" "$folder/answers.csv"
 PYTHONDONTWRITEBYTECODE=1 PYTHONPATH=$3 "$5" "$here/read_log.py" "$folder/walk.lcm" "$folder/walk.csv" | tee "$folder/python"
 # its complaints are of the charts of lcm-spy, which are not here
 java -cp "$4" "$here/SpyTypes.java" "$folder/walk.lcm" 2> "$folder/complaints" | tail -1 | tee "$folder/java"
