@@ -2,6 +2,7 @@
 
 #include "client/failure.h"
 #include "client/lcm_log.h"
+#include "client/old_messages.h"
 #include "robot/printable.h"
 
 #include <algorithm>
@@ -60,7 +61,7 @@ RecordedAnswers::RecordedAnswers(std::string_view log, const Channels& channels)
   {
     torque_command_t command;
     rejection_t rejection;
-    if (record->channel == channels.command && decode(record->data, command))
+    if (record->channel == channels.command && (decode(record->data, command) || decode_old(record->data, command)))
       answers_[{command.stream_id, command.utime}].push_back({std::move(command), record->timestamp});
     else if (record->channel == channels.rejected && decode(record->data, rejection))
       answers_[{rejection.stream_id, rejection.utime}].push_back({std::move(rejection), record->timestamp});
@@ -74,6 +75,8 @@ std::optional<RecordedAnswer> RecordedAnswers::next(const desired_state_t& desir
     return std::nullopt;
   RecordedAnswer answer = std::move(found->second.front());
   found->second.pop_front();
+  if (auto* command = std::get_if<torque_command_t>(&answer.message))
+    complete(*command, desired);
   return answer;
 }
 

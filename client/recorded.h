@@ -36,7 +36,8 @@ struct RecordedAnswer
   std::int64_t timestamp;
 };
 
-/// A log's commands and rejections, by stream_id and utime of the desired state that they answer.
+/// A log's commands and rejections, by stream_id and utime of the desired state that they answer. Commands may be old
+/// ones, old_messages.h.
 class RecordedAnswers
 {
 public:
