@@ -2,6 +2,7 @@
 #include "client/bus.h"
 #include "client/daemons.h"
 #include "client/files.h"
+#include "client/robot_choice.h"
 #include "client/subcommands.h"
 #include "client/tally.h"
 #include "robot/printable.h"
@@ -102,7 +103,7 @@ public:
   std::string header(const model_info_t& model) override
   {
     num_joints_ = model.joint_names.size();
-    return row("utime", answer_columns(model.joint_names));
+    return row("utime", answer_columns(model.joint_names)) + robot_lines(model.name, model.model_id);
   }
   std::string line(const torque_command_t& command) override
   {

@@ -2,6 +2,7 @@
 #include "client/files.h"
 #include "client/lcm_log.h"
 #include "client/offline.h"
+#include "client/robot_choice.h"
 #include "client/subcommands.h"
 #include "client/tally.h"
 
@@ -37,6 +38,7 @@ public:
       joint_names.push_back(actuator.name);
     csv_.emplace(path);
     write_row("utime", answer_columns(joint_names));
+    csv_->write(robot_lines(robot.name, robot.model_id));
   }
 
   void heard(std::int64_t utime, Bytes desired)
@@ -122,16 +124,18 @@ Tally answer_all(const Robot& robot, const AnswerSettings& settings, const Desir
 
 ExitCode eval(const OfflineOptions& options)
 {
-  if (!options.out.ends_with(".csv") && !options.out.ends_with(".lcm"))
+  if (!options.out.ends_with(".csv") && !options.out.ends_with(".lcm") && options.out != "-")
     throw Failure(ExitCode::usage,
-                  fmt::format("-o: found \"{}\"; expected a name that ends in .csv or .lcm", options.out));
+                  fmt::format("-o: found \"{}\"; expected a name that ends in .csv or .lcm, or -", options.out));
   const auto [config, robot, desired] = read_offline_input(options);
 
   AnswerWriter writer(options.out, robot, config, read_sender(desired.messages.front()).utime);
   const Tally tally = answer_all(robot, config.answers, desired, writer);
   writer.close();
-  fmt::print("{}: {} of {} samples answered, {}\n{}{}", robot.name, tally.answered, desired.messages.size(),
-             tally.rejections(), tally.flag_line(), tally.first_of_each());
+  print_summary(options.out,
+                fmt::format("{}: {} of {} samples answered, {}\n{}{}", robot.name, tally.answered,
+                            desired.messages.size(), tally.rejections(), tally.flag_line(), tally.first_of_each()));
+  tally.require_answers(options.file);
   return ExitCode::done;
 }
 
@@ -141,11 +145,13 @@ Subcommand add_eval(CLI::App& torquectl)
 {
   const auto options = std::make_shared<OfflineOptions>();
   CLI::App* app = torquectl.add_subcommand("eval", "answer a trajectory without a bus: the same bits as the daemon's");
-  add_offline_options(*app, *options,
-                      "where the answers go: .csv, one row each, or .lcm, a log of desired states and answers");
+  add_offline_options(
+      *app, *options,
+      "where the answers go: .csv, one row each, or .lcm, a log of desired states and answers; - is the "
+      "CSV on the standard output");
   add_answer_options(*app, *options);
   app->footer(
-      "Rejected samples have a row that says so; the exit code is 0 all the same.\n\n"
+      "Rejected samples have a row that says so. The exit code is 0 if any sample was answered, 65 if none was.\n\n"
       "Example, in the source directory:\n"
       "  torquectl eval client/trajectories/subject01-walk/walk.csv --robot human-subject01 -o /tmp/answers.csv");
   return {app, [options]

@@ -2,6 +2,7 @@
 #include "client/files.h"
 #include "client/lcm_log.h"
 #include "client/recorded.h"
+#include "client/robot_choice.h"
 #include "client/subcommands.h"
 #include "client/tally.h"
 #include "client/trajectory.h"
@@ -110,19 +111,6 @@ private:
   bool relative_, base_;
 };
 
-model_info_t robot_of(const Trajectory& trajectory, const std::string& robot)
-{
-  if (!robot.empty())
-    return model_info(load_robot(robot), 0, 0, "");
-  if (!trajectory.recorded_model)
-    throw Failure(
-        ExitCode::bad_data,
-        fmt::format("{}: holds no model_info_t, so the names of its coordinates and joints are not known; --robot "
-                    "says which robot it was",
-                    trajectory.file));
-  return *trajectory.recorded_model;
-}
-
 // the next answer to a desired state as cells; counts it
 std::vector<std::string> next_answer(RecordedAnswers& answers, const desired_state_t& state, const model_info_t& model,
                                      const std::string& place, Tally& tally)
@@ -154,11 +142,13 @@ ExitCode export_log(const Options& options)
   if (!LogReader::is_log(bytes))
     throw Failure(ExitCode::bad_data, fmt::format("{}: is no LCM log; expected what lcm-logger wrote", options.log));
   const Trajectory trajectory = parse_trajectory(bytes, options.log, {}, false, channels);
-  const model_info_t model = robot_of(trajectory, options.robot);
-  for (const std::string& line : notes(trajectory, model.name, model.model_id))
+  const model_info_t model = choose_model(said_robot(options.robot), robots_named_by(bytes, options.log, channels));
+  for (const std::string& line : notes(trajectory))
     note(line);
 
-  RecordedAnswers answers(bytes, channels);
+  RecordedAnswers answers(bytes, options.log, channels, model.model_id);
+  for (const std::string& line : answers.notes())
+    note(line);
   const StateTable table(model, trajectory);
   OutputFile csv(options.out);
   const auto write_row = [&csv](std::vector<std::string> cells, const std::vector<std::string>& more)
@@ -167,6 +157,7 @@ ExitCode export_log(const Options& options)
     csv.write(csv_line(cells));
   };
   write_row(table.columns(), answer_columns(model.joint_names));
+  csv.write(robot_lines(model.name, model.model_id));
   Tally tally;
   for (std::size_t i = 0; i < trajectory.states.size(); ++i)
   {
@@ -176,10 +167,10 @@ ExitCode export_log(const Options& options)
   csv.close();
 
   const auto rows = static_cast<std::int64_t>(trajectory.states.size());
-  if (options.out != "-")
-    fmt::print("{}: {} of {} samples answered, {} without an answer, {}\n{}{}", printable(model.name), tally.answered,
-               rows, rows - tally.answered - tally.num_rejected(), tally.rejections(), tally.flag_line(),
-               tally.first_of_each());
+  print_summary(options.out,
+                fmt::format("{}: {} of {} samples answered, {} without an answer, {}\n{}{}", printable(model.name),
+                            tally.answered, rows, rows - tally.answered - tally.num_rejected(), tally.rejections(),
+                            tally.flag_line(), tally.first_of_each()));
   return ExitCode::done;
 }
 
@@ -192,7 +183,7 @@ Subcommand add_export(CLI::App& torquectl)
       torquectl.add_subcommand("export", "a recorded log as CSV: desired states and their answers, one row each");
   app->add_option("LOG", options->log, "what lcm-logger recorded")->type_name("")->required();
   app->add_option("-o,--output", options->out, "the CSV; - for the standard output")->type_name("CSV")->required();
-  add_robot_option(*app, options->robot, "default: the one that the log says");
+  add_robot_option(*app, options->robot, kRobotOfFile);
   add_prefix_option(*app, options->prefix);
   app->footer("The CSV can be read as a trajectory again; its column `method` then asks for the methods that answered. "
               "`rejected`\n"

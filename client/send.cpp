@@ -1,5 +1,6 @@
 #include "client/bus.h"
 #include "client/files.h"
+#include "client/robot_choice.h"
 #include "client/subcommands.h"
 #include "client/tally.h"
 #include "client/trajectory.h"
@@ -264,9 +265,10 @@ ExitCode send(const Options& options)
     throw Failure(ExitCode::failed, "stopped before anything was sent");
   const model_info_t robot = bus.model();
 
+  require_same_robot(robots_named_by(bytes, options.file, channels), robot.name, robot.model_id, "torqued computes");
   Trajectory trajectory =
       parse_trajectory(bytes, options.file, coordinate_names(robot), options.differentiate, channels);
-  for (const std::string& line : notes(trajectory, printable(robot.name), robot.model_id))
+  for (const std::string& line : notes(trajectory))
     note(line);
   const Schedule schedule = make_schedule(trajectory, options);
 
@@ -294,6 +296,7 @@ ExitCode send(const Options& options)
     print_json(printable(robot.name), ledger);
   else
     print_text(printable(robot.name), ledger);
+  ledger.tally().require_answers(options.file);
   return ledger.tally().answered == ledger.num_sent() ? ExitCode::done : ExitCode::failed;
 }
 
@@ -324,7 +327,7 @@ Subcommand add_send(CLI::App& torquectl)
   app->footer(
       "Coordinate names and model_id are those of the daemon that runs. A desired state without an answer within 1 s\n"
       "counts as lost: it was superseded by a newer one, or did not arrive. Exit code 1 if any was lost or "
-      "rejected.\n\n"
+      "rejected, 65 if none was answered\nbut some were rejected, or if FILE names another robot.\n\n"
       "Example, in the source directory, on a bus of this machine alone:\n"
       "  export LCM_DEFAULT_URL='udpm://239.255.76.67:7667?ttl=0'\n"
       "  torqued --robot human-subject01 --every-sample & sleep 1\n"

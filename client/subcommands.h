@@ -39,6 +39,8 @@ Subcommand add_model(CLI::App& torquectl);
 Subcommand add_status(CLI::App& torquectl);
 Subcommand add_doctor(CLI::App& torquectl);
 
+/// What happens without --robot where a motion is read.
+inline constexpr const char* kRobotOfFile = "default: the one that the file names";
 /// Adds an option --robot that says which robots ship, and what happens without it.
 void add_robot_option(CLI::App& subcommand, std::string& robot, const std::string& without);
 /// The methods' names, one after another.
@@ -60,5 +62,8 @@ void set_flag(std::string_view flag, void (*set)(Config&, const std::string&), C
 
 /// Tells the user, in one line on stderr, something that does not end the program.
 void note(std::string_view line);
+
+/// Prints what a subcommand says at its end: on stdout, or on stderr if its output, "-", goes to stdout.
+void print_summary(const std::string& output, std::string_view text);
 
 } // namespace torqued

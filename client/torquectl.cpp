@@ -175,4 +175,9 @@ void note(std::string_view line)
   fmt::print(stderr, "torquectl: note: {}\n", line);
 }
 
+void print_summary(const std::string& output, std::string_view text)
+{
+  fmt::print(output == "-" ? stderr : stdout, "{}", text);
+}
+
 } // namespace torqued

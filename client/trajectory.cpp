@@ -408,9 +408,6 @@ std::vector<Bytes> find_messages(std::string_view bytes, const Channels& channel
   LogReader log(bytes);
   while (const auto record = log.next())
   {
-    if (record->channel == channels.model && !origin.recorded_model)
-      if (model_info_t model; decode(record->data, model))
-        origin.recorded_model = std::move(model);
     if (record->channel != channels.desired)
       continue;
     if (is_desired_state(record->data))
@@ -459,10 +456,9 @@ Trajectory parse_trajectory(std::string_view bytes, const std::string& file, con
   return trajectory;
 }
 
-DesiredMessages read_messages(const std::string& file, const CoordinateNames& names, bool differentiate,
-                              const Channels& channels)
+DesiredMessages read_messages(const std::shared_ptr<const InputFile>& input, const std::string& file,
+                              const CoordinateNames& names, bool differentiate, const Channels& channels)
 {
-  const auto input = std::make_shared<const InputFile>(file);
   if (!LogReader::is_log(input->bytes()))
     return encode_all(CsvTrajectory(input->bytes(), file, names, differentiate).read());
   DesiredMessages desired;
@@ -481,7 +477,7 @@ DesiredMessages encode_all(const Trajectory& trajectory)
   return desired;
 }
 
-std::vector<std::string> notes(const Origin& origin, const std::string& robot, std::int64_t model_id)
+std::vector<std::string> notes(const Origin& origin)
 {
   std::vector<std::string> lines;
   if (origin.damaged_bytes > 0)
@@ -490,9 +486,6 @@ std::vector<std::string> notes(const Origin& origin, const std::string& robot, s
   if (origin.undecodable > 0)
     lines.push_back(fmt::format("{}: {} messages cannot be decoded as desired states; they were passed over",
                                 origin.file, origin.undecodable));
-  if (const auto& model = origin.recorded_model; model && model->model_id != model_id)
-    lines.push_back(fmt::format("{}: was recorded with robot {} (model_id {}), not with this {} (model_id {})",
-                                origin.file, printable(model->name), model->model_id, robot, model_id));
   return lines;
 }
 

@@ -13,9 +13,11 @@
 ///   load_transfer, phase  0 to 1                                      may be missing: see follow_contacts()
 ///   method                a method's name or number; default or none  may be missing, or empty: default
 ///
-/// Further columns are not looked at. Numbers have a decimal point in every locale.
+/// Further columns are not looked at. Numbers have a decimal point in every locale. Comment lines may name the robot,
+/// robot_choice.h.
 #pragma once
 
+#include "client/files.h"
 #include "robot/robot.h"
 #include "wire/codec.h"
 
@@ -48,9 +50,8 @@ struct Origin
   bool from_log = false;
   std::vector<std::int64_t> heard; ///< of each state of a log: when the logger heard it, µs by its clock
 
-  std::optional<model_info_t> recorded_model; ///< the first that the log holds
-  std::size_t undecodable = 0;                ///< messages of the log that are no desired states
-  std::size_t damaged_bytes = 0;              ///< of the log, in no whole record
+  std::size_t undecodable = 0;   ///< messages of the log that are no desired states
+  std::size_t damaged_bytes = 0; ///< of the log, in no whole record
 
   /// "walk.csv:17" or "walk.lcm: record 16".
   std::string place(std::size_t state) const;
@@ -80,15 +81,14 @@ struct DesiredMessages : Origin
 Trajectory parse_trajectory(std::string_view bytes, const std::string& file, const CoordinateNames& names,
                             bool differentiate, const Channels& channels);
 
-/// The same of a file, and without decoding what was recorded. Throws what InputFile and parse_trajectory() throw.
-DesiredMessages read_messages(const std::string& file, const CoordinateNames& names, bool differentiate,
-                              const Channels& channels);
+/// The same, without decoding what was recorded. Throws as parse_trajectory() does.
+DesiredMessages read_messages(const std::shared_ptr<const InputFile>& input, const std::string& file,
+                              const CoordinateNames& names, bool differentiate, const Channels& channels);
 
 /// A trajectory's states as messages.
 DesiredMessages encode_all(const Trajectory& trajectory);
 
-/// What a user should know about a log before its desired states are used with a robot: damage, undecodable messages,
-/// and a log that was recorded with another robot. One line each.
-std::vector<std::string> notes(const Origin& origin, const std::string& robot, std::int64_t model_id);
+/// What a user should know about a log before its desired states are used: damage, undecodable messages. One line each.
+std::vector<std::string> notes(const Origin& origin);
 
 } // namespace torqued

@@ -38,7 +38,7 @@ std::string complaint(const std::string& text)
 TEST_CASE("an empty configuration gives the documented defaults", "[config]")
 {
   const Config config = read_config(Written("").path);
-  CHECK(config.robot == "ck");
+  CHECK(config.robot == "");
   CHECK(config.lcm_url.empty());
   CHECK(config.prefix.empty());
   CHECK_FALSE(config.every_sample);

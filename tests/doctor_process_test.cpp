@@ -206,7 +206,7 @@ TEST_CASE("doctor and status know no daemon, one, two with prefixes, and two on 
   for (const Json& finding : findings)
     CHECK(contains(as_text, finding["text"].get<std::string>().substr(0, 20)));
 
-  Process second({TORQUED}, folder.file("second"));
+  Process second({TORQUED, "--robot", "ck"}, folder.file("second"));
   bench.hear_for(500ms);
   said = doctor();
   CAPTURE(said.text);

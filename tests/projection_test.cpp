@@ -259,7 +259,7 @@ TEST_CASE("without a base point the feet keep their distance", "[projection]")
   oracle::Random random(702);
   const oracle::Biped biped;
   const std::string walk = folder.file("walk.csv"), projected = folder.file("projected.csv");
-  REQUIRE(run({"gait", "--rate", "50", "-o", walk}).code == 0);
+  REQUIRE(run({"gait", "--robot", "ck", "--rate", "50", "-o", walk}).code == 0);
   std::vector<Sample> samples = read_walk(walk);
   disturb(samples, random);
   const Run done =
@@ -469,7 +469,7 @@ TEST_CASE("joint wrenches are those of the motion that was answered", "[projecti
 {
   const TemporaryFolder folder;
   oracle::Random random(706);
-  REQUIRE(run({"gait", "--rate", "50", "--steps", "1", "-o", folder.file("walk.csv")}).code == 0);
+  REQUIRE(run({"gait", "--robot", "ck", "--rate", "50", "--steps", "1", "-o", folder.file("walk.csv")}).code == 0);
   std::vector<Sample> samples = read_walk(folder.file("walk.csv"));
   disturb(samples, random);
   const std::string disturbed = folder.write("disturbed.csv", write_walk(samples, true));
@@ -493,7 +493,7 @@ TEST_CASE("torquectl project says what it cannot use", "[projection]")
 {
   const TemporaryFolder folder;
   const std::string walk = folder.file("walk.csv"), out = folder.file("out.csv");
-  REQUIRE(run({"gait", "--steps", "1", "--rate", "20", "-o", walk}).code == 0);
+  REQUIRE(run({"gait", "--robot", "ck", "--steps", "1", "--rate", "20", "-o", walk}).code == 0);
   const auto says = [](const std::vector<std::string>& words)
   {
     const Run done = run(words);
@@ -521,8 +521,9 @@ TEST_CASE("torquectl project says what it cannot use", "[projection]")
         fmt::format("65 torquectl: {}: record 1: base is FROM_CONTACT; expected it GIVEN in all desired states, or "
                     "FROM_CONTACT in all\n",
                     mixed));
-  // to the terminal: the table and nothing else
+  // on the standard output: the table and nothing else
   const Run terminal = run({"project", walk, "--robot", "ck", "-o", "-"});
   CHECK(terminal.out.starts_with("utime,q0,"));
   CHECK(terminal.out.find("moved") == std::string::npos);
+  CHECK(terminal.err.find("and was moved by up to\n") != std::string::npos);
 }

@@ -6,6 +6,7 @@
 #include "wire/codec.h"
 
 #include <algorithm>
+#include <cmath>
 #include <fmt/format.h>
 #include <httplib.h>
 #include <memory>
@@ -202,4 +203,54 @@ TEST_CASE("view outlives its daemon, and shows the next one's robot", "[torquect
   CHECK(browser.Get("/nothing")->status == 404);
   view.signal(SIGINT);
   CHECK(view.wait() == 0);
+}
+
+TEST_CASE("a robot that does not ship is shown as torqued says, and gets no other robot's motion",
+          "[torquectl_process]")
+{
+  const TemporaryFolder folder;
+  std::string toml(shipped_robot_toml("ck"));
+  toml.replace(toml.find("gravity = 9.81"), 14, "gravity = 1.62");
+  const std::string mine = folder.write("mine.toml", toml), walk = folder.file("walk.csv");
+  Process torqued({TORQUED, "--robot", mine, "--every-sample"}, folder.file("torqued"));
+  Process view({TORQUECTL, "view", "--port", "0"}, folder.file("view"));
+  const auto said = [&]
+  {
+    return read_file(folder.file("view"));
+  };
+  for (int i = 0; i < 1000 && !said().ends_with("\n"); ++i)
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  const std::string text = said();
+  REQUIRE(text.find("127.0.0.1:") != std::string::npos);
+  httplib::Client browser("127.0.0.1", std::stoi(text.substr(text.find("127.0.0.1:") + 10)));
+  const auto shown = browser.Get("/document");
+  REQUIRE(shown);
+  const nlohmann::json robot = nlohmann::json::parse(shown->body)["robot"];
+  CHECK(robot["links"].size() == 7);
+  CHECK(std::abs(robot["weight"].get<double>() - 45.0 * 1.62) < 1e-9);
+  view.signal(SIGINT);
+  CHECK(view.wait() == 0);
+
+  const std::int64_t id = load_robot(mine).model_id;
+  const Run human = run({"send", kWalk});
+  CHECK(human.code == 65);
+  CHECK(human.output == fmt::format("torquectl: {} names robot human-subject01 (model_id {}), but torqued computes ck "
+                                    "(model_id {}): use the robot for which the motion was made or, to use the motion "
+                                    "with another one, remove the comment lines \"# robot:\" and \"# model_id:\"\n",
+                                    kWalk, load_robot("human-subject01").model_id, id));
+  CHECK(run({"gait", "--robot", "ck", "--steps", "1", "-o", walk}).code == 0);
+  CHECK(run({"send", walk}).output.find("(the robot has been changed since, or torqued has)") != std::string::npos);
+  CHECK(run({"view", "--robot", "ck"})
+            .output.starts_with(fmt::format("torquectl: torqued computes ck (model_id {}), but "
+                                            "--robot says ck (model_id ",
+                                            id)));
+  // its own motion it answers, and echo says whose answers they are
+  CHECK(run({"gait", "--robot", mine, "--steps", "1", "-o", walk}).code == 0);
+  Process echo({TORQUECTL, "echo", "--format", "csv", "--count", "1"}, folder.file("echo.csv"));
+  for (int i = 0; i < 1000 && read_file(folder.file("echo.csv")).empty(); ++i)
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  CHECK(run({"send", walk}).code == 0);
+  CHECK(echo.wait() == 0);
+  CHECK(read_file(folder.file("echo.csv")).find(fmt::format("\n# robot: ck\n# model_id: {}\n", id)) !=
+        std::string::npos);
 }

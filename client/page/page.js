@@ -740,7 +740,7 @@
       ['root mean square of all, N m', run => text(run.figures.rms)],
       ['Σ∫τ²dt, N² m² s', run => text(run.figures.effort)],
       ['work Σ∫|τθ̇|dt, J', run => text(run.figures.work)],
-      ['work per metre, J/m', run => Math.abs(run.figures.distance) > 0.01 * robot.leg_length ? text(run.figures.work / Math.abs(run.figures.distance)) : '–'],
+      ['work per metre, J/m', run => Math.abs(run.figures.distance) > 0.01 * robot.leg_length ? text(run.figures.work === null ? null : run.figures.work / Math.abs(run.figures.distance)) : '–'],
     ]);
     const kinds = [...new Set(runs.flatMap(run => Object.keys(run.figures.jumps)))];
     group('Largest jump of a torque where contacts change, N m', kinds.map(kind =>

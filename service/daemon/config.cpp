@@ -267,7 +267,7 @@ std::string to_toml(const Config& config)
   const auto f_min = methods.constrained.f_min;
   return fmt::format(R"(# configuration of torqued
 
-robot = {}
+robot = {}  # a robot that ships, or a .toml or .urdf file; '': --robot must say it
 lcm_url = {}  # '': LCM_DEFAULT_URL, or LCM's own default
 prefix = {}  # stands before each channel's name
 log_level = {}

@@ -51,7 +51,7 @@ std::optional<Config> configure(int argc, char** argv)
   bool every_sample = false;
   bool print_config = false;
   app.add_option("--robot", robot,
-                 fmt::format("a robot that ships ({}) or a .toml or .urdf file; default: ck",
+                 fmt::format("a robot that ships ({}) or a .toml or .urdf file; no default",
                              fmt::join(shipped_robot_names(), ", ")))
       ->type_name("NAME|FILE");
   app.add_option("--config", file, "a TOML file that sets what flags do not")->type_name("FILE");
@@ -130,6 +130,10 @@ int end_by_signal()
 
 int serve(const Config& config)
 {
+  if (config.robot.empty())
+    throw Exit{EX_CONFIG, fmt::format("no robot is said: say --robot NAME|FILE, or robot = \"NAME\" in the file of "
+                                      "--config (robots that ship: {})",
+                                      fmt::join(shipped_robot_names(), ", "))};
   const Robot robot = load_robot(config.robot);
   check_fits(config, robot);
   const int stop_fd = end_by_signal();
