@@ -48,7 +48,7 @@ public:
   {
     comment = trimmed(comment);
     if (comment.starts_with(kRobot))
-      set(name_, std::string(trimmed(comment.substr(kRobot.size()))), kRobot, line);
+      set(name_, parse_name(trimmed(comment.substr(kRobot.size())), line), kRobot, line);
     else if (comment.starts_with(kModelId))
       set(model_id_, parse_id(trimmed(comment.substr(kModelId.size())), line), kModelId, line);
   }
@@ -64,6 +64,13 @@ public:
   }
 
 private:
+  std::string parse_name(std::string_view text, std::size_t line) const
+  {
+    if (text.empty())
+      throw Failure(ExitCode::bad_data, fmt::format("{}:{}: robot: found nothing; expected its name", file_, line));
+    return std::string(text);
+  }
+
   std::int64_t parse_id(std::string_view text, std::size_t line) const
   {
     std::int64_t id = 0;

@@ -261,6 +261,7 @@ TEST_CASE("lines that name a robot are read wherever they stand, as spreadsheets
         "f.csv:3: found \"# robot: rk\" after \"# robot: ck\"; expected one robot in a file");
   CHECK(error("# model_id: 1\n# model_id: 2\n") ==
         "f.csv:2: found \"# model_id: 2\" after \"# model_id: 1\"; expected one robot in a file");
+  CHECK(error("time\n# robot: ,,\n") == "f.csv:2: robot: found nothing; expected its name");
   CHECK(error("# model_id: 0x1\n") ==
         "f.csv:1: model_id: found \"0x1\"; expected a whole number, as torquectl model prints it");
   CHECK(error("# model_id: 1\n") ==
