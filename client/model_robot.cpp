@@ -28,12 +28,12 @@ Eigen::Vector2d vector(const std::vector<double>& xz)
 class ModelReader
 {
 public:
-  ModelReader(const model_info_t& model, const std::string& where) : model_(model), where_(where) {}
+  explicit ModelReader(const model_info_t& model) : model_(model) {}
 
   Robot robot() const
   {
     RobotDescription description;
-    description.file = where_;
+    description.file = "model_info_t";
     description.name = name(model_.name, "the robot's name");
     description.gravity = model_.gravity;
     if (!model_.base_names[0].empty())
@@ -81,8 +81,10 @@ private:
     link.name = name(model_.link_names[i], "a link's name");
     link.joint = kJointKinds[index(model_.joint_kinds[i], kJointKinds.size(), "a link's joint kind")];
     const std::int32_t parent = model_.parents[i];
-    entry.parent = parent < 0 ? std::string(kWorld)
-                              : model_.link_names[index(parent, model_.link_names.size(), "a link's parent")];
+    if (parent >= 0)
+      entry.parent = model_.link_names[index(parent, model_.link_names.size(), "a link's parent")];
+    else if (link.joint == JointKind::fixed)
+      entry.parent = kWorld;
     link.at = vector(model_.joint_positions[i]);
     link.angle = model_.joint_angles[i];
     link.parent_radius = model_.parent_radii[i];
@@ -164,7 +166,6 @@ private:
   }
 
   const model_info_t& model_;
-  const std::string& where_;
 };
 
 } // namespace
@@ -172,7 +173,7 @@ private:
 Robot robot_of_model(const model_info_t& model, const std::string& where)
 try
 {
-  return ModelReader(model, where).robot();
+  return ModelReader(model).robot();
 }
 catch (const FileError& error)
 {
