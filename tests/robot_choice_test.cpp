@@ -91,8 +91,8 @@ TEST_CASE("every CSV that is written begins with its header, and names its robot
     for (const auto& [words, header] :
          std::vector<std::pair<std::vector<std::string>, std::string>>{{{"eval", walk}, "utime,"},
                                                                        {{"wrenches", walk}, "utime,x_"},
-                                                                       {{"project", walk}, "utime,q0,"},
-                                                                       {{"export", log}, "utime,q0,"}})
+                                                                       {{"project", walk}, "utime,"},
+                                                                       {{"export", log}, "utime,"}})
     {
       CAPTURE(words.front());
       REQUIRE(run(with(words, {"-o", out})).code == 0);
