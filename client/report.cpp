@@ -51,12 +51,14 @@ struct Samples
   std::vector<std::size_t> places;
 };
 
-// The robot of all inputs, for drawing: a page shows one.
+// The robot of all inputs, for drawing: a page shows one. What is said is loaded once, so that its notes come once.
 Robot find_robot(const std::vector<Input>& inputs, const SaidRobot& said)
 {
   const Robot robot = choose_drawn_robot(said, inputs.front().named);
   for (const Input& input : inputs)
-    if (const Robot other = choose_drawn_robot(said, input.named); other.model_id != robot.model_id)
+    if (!said.name_or_path.empty())
+      require_same_robot(input.named, robot.name, robot.model_id, said.by);
+    else if (const Robot other = choose_drawn_robot(said, input.named); other.model_id != robot.model_id)
       throw Failure(ExitCode::bad_data,
                     fmt::format("{} is of {} (model_id {}) and {} of {} (model_id {}); a page shows one robot: make a "
                                 "page of each",
@@ -341,7 +343,7 @@ ExitCode report(const Options& options)
     if (input.trajectory.from_log)
       if (std::optional<ReportRun> run = recorded_run(input, samples, robot, channels))
         motion.runs.push_back(std::move(*run));
-    if (motion.runs.empty() || !methods.empty() || !options.measured.empty())
+    if (said.name_or_path.empty() && (motion.runs.empty() || !methods.empty() || !options.measured.empty()))
       choose_robot(said, input.named); // refuses what can only be drawn: all that follows computes with masses
     motion.measured = find_measured(input, samples, robot, options, channels);
     for (const Method method : methods)
