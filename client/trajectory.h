@@ -52,6 +52,8 @@ struct Origin
   std::size_t undecodable = 0;                ///< messages of the log that are no desired states
   std::size_t damaged_bytes = 0;              ///< of the log, in no whole record
 
+  std::vector<std::string> assumptions; ///< on how the file is meant, where it does not say; a sentence each
+
   /// "walk.csv:17" or "walk.lcm: record 16".
   std::string place(std::size_t state) const;
 };
@@ -87,8 +89,8 @@ DesiredMessages read_messages(const std::string& file, const CoordinateNames& na
 /// A trajectory's states as messages.
 DesiredMessages encode_all(const Trajectory& trajectory);
 
-/// What a user should know about a log before its desired states are used with a robot: damage, undecodable messages,
-/// and a log that was recorded with another robot. One line each.
+/// What a user should know about a file before its desired states are used with a robot: assumptions; damage of a log,
+/// undecodable messages, and a log that was recorded with another robot. One line each.
 std::vector<std::string> notes(const Origin& origin, const std::string& robot, std::int64_t model_id);
 
 } // namespace torqued

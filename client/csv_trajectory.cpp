@@ -1,0 +1,273 @@
+#include "client/csv_trajectory.h"
+
+#include "client/csv_lines.h"
+#include "client/failure.h"
+#include "client/motion_columns.h"
+#include "client/spline.h"
+#include "client/support_course.h"
+#include "robot/printable.h"
+
+#include <array>
+#include <charconv>
+#include <cmath>
+#include <cstdint>
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <system_error>
+#include <utility>
+#include <vector>
+
+namespace torqued
+{
+
+namespace
+{
+
+constexpr std::int64_t kLatest = std::int64_t{1} << 61; // µs, so that no difference of two times overflows
+
+// a cell for a complaint
+std::string shown(const std::string& cell)
+{
+  constexpr std::size_t longest = 40;
+  if (cell.empty())
+    return "nothing";
+  return fmt::format("\"{}\"", printable(cell.size() > longest ? cell.substr(0, longest) + "..." : cell));
+}
+
+// the whole cell as a number, in every locale; a plus sign is no part of std::from_chars' numbers
+template <typename Number> bool parse(std::string_view cell, Number& number)
+{
+  if (cell.size() > 1 && cell[0] == '+' && cell[1] != '-')
+    cell.remove_prefix(1);
+  const auto [end, error] = std::from_chars(cell.data(), cell.data() + cell.size(), number);
+  return error == std::errc() && end == cell.data() + cell.size();
+}
+
+// Reads the lines of a CSV one after another; all complaints carry the present line.
+class CsvTrajectory
+{
+public:
+  CsvTrajectory(std::string_view text, const std::string& file, const CoordinateNames& names, bool differentiate)
+      : reader_(text, file), names_(names), differentiate_(differentiate)
+  {
+    trajectory_.file = file;
+  }
+
+  Trajectory read()
+  {
+    if (!reader_.next(line_))
+      throw Failure(
+          ExitCode::bad_data,
+          fmt::format("{}: found no line that names columns; expected one such as time,q0,...", trajectory_.file));
+    columns_ = find_columns(line_, trajectory_.file, names_, differentiate_);
+    while (reader_.next(line_))
+      read_row();
+    if (trajectory_.states.empty())
+      throw Failure(ExitCode::bad_data,
+                    fmt::format("{}: found no row below the names of the columns; expected one per desired state",
+                                trajectory_.file));
+    if (differentiate_)
+      differentiate();
+    complete_supports();
+    return std::move(trajectory_);
+  }
+
+private:
+  [[noreturn]] void fail(std::string_view column, std::string_view found, std::string_view expected) const
+  {
+    fail_in_column(trajectory_.file, line_.number, column, found, expected);
+  }
+
+  // a row: one desired state
+
+  const std::string& cell(std::size_t column) const { return line_.cells[column]; }
+
+  double number(std::size_t column) const
+  {
+    double value = 0.0;
+    if (!parse(cell(column), value))
+      fail(columns_.names[column], shown(cell(column)), "a number, such as -0.25 or 1e-3");
+    if (!std::isfinite(value))
+      fail(columns_.names[column], shown(cell(column)), "a finite number");
+    return value;
+  }
+
+  std::int64_t time()
+  {
+    std::int64_t utime = 0;
+    if (columns_.utime)
+    {
+      if (!parse(cell(*columns_.utime), utime) || utime < -kLatest || utime > kLatest)
+        fail("utime", shown(cell(*columns_.utime)), "a whole number of µs");
+      seconds_.push_back(1e-6 * static_cast<double>(utime - first_utime(utime)));
+    }
+    else
+    {
+      const double seconds = number(*columns_.time);
+      if (std::abs(seconds) > 1e-6 * static_cast<double>(kLatest))
+        fail("time", shown(cell(*columns_.time)), "a time in s");
+      utime = std::llround(1e6 * seconds);
+      seconds_.push_back(seconds);
+    }
+    if (!trajectory_.states.empty() && utime <= trajectory_.states.back().utime)
+      fail(columns_.utime ? "utime" : "time",
+           fmt::format("{} after {}", shown(cell(columns_.utime ? *columns_.utime : *columns_.time)),
+                       shown(previous_time_)),
+           "a later time in each row, by 1 µs or more");
+    previous_time_ = cell(columns_.utime ? *columns_.utime : *columns_.time);
+    return utime;
+  }
+
+  std::int64_t first_utime(std::int64_t utime) const
+  {
+    return trajectory_.states.empty() ? utime : trajectory_.states.front().utime;
+  }
+
+  std::int8_t contact(std::size_t column) const
+  {
+    for (const Contact contact : {Contact::none, Contact::heel, Contact::sole, Contact::toe})
+      if (cell(column) == name_of(contact) || cell(column) == std::to_string(static_cast<int>(contact)))
+        return static_cast<std::int8_t>(contact);
+    fail(columns_.names[column], shown(cell(column)), "0, 1, 2, 3, or none, heel, sole, toe");
+  }
+
+  std::int8_t leading() const
+  {
+    if (cell(*columns_.leading) != "L" && cell(*columns_.leading) != "R")
+      fail("leading", shown(cell(*columns_.leading)), "L or R");
+    return cell(*columns_.leading) == "L" ? desired_state_t::LEFT : desired_state_t::RIGHT;
+  }
+
+  std::int8_t method() const
+  {
+    const std::string& word = cell(*columns_.method);
+    if (word.empty() || word == "default" || word == name_of(Method::none))
+      return desired_state_t::DEFAULT;
+    for (const NamedMethod& known : kMethods)
+      if (word == known.name)
+        return static_cast<std::int8_t>(known.method);
+    int value = 0;
+    if (!parse(word, value) || value < INT8_MIN || value > INT8_MAX)
+    {
+      std::vector<std::string_view> known;
+      for (const NamedMethod& named : kMethods)
+        known.push_back(named.name);
+      fail("method", shown(word), fmt::format("default, {}, or a method's number", fmt::join(known, ", ")));
+    }
+    return static_cast<std::int8_t>(value);
+  }
+
+  void read_row()
+  {
+    if (line_.cells.size() < columns_.names.size())
+      fail(columns_.names[line_.cells.size()], fmt::format("nothing, the row ends after {} cells", line_.cells.size()),
+           fmt::format("{} cells", columns_.names.size()));
+    if (line_.cells.size() > columns_.names.size())
+      fail(fmt::format("{}", columns_.names.size() + 1), shown(cell(columns_.names.size())),
+           fmt::format("{} cells", columns_.names.size()));
+
+    desired_state_t state{};
+    state.utime = time();
+    state.stream_id = 1;
+    state.coordinates = columns_.relative ? desired_state_t::RELATIVE : desired_state_t::ABSOLUTE;
+    state.base = columns_.base_given ? desired_state_t::GIVEN : desired_state_t::FROM_CONTACT;
+    state.left_contact = contact(columns_.contacts[0]);
+    state.right_contact = contact(columns_.contacts[1]);
+    state.leading_foot = columns_.leading ? leading() : std::int8_t{};
+    state.load_transfer = columns_.load_transfer ? number(*columns_.load_transfer) : 0.0;
+    state.phase = columns_.phase ? number(*columns_.phase) : 0.0;
+    state.method = columns_.method ? method() : std::int8_t{};
+
+    state.num_coordinates = static_cast<std::int32_t>(columns_.coordinates.size());
+    const std::array<std::vector<double>*, 3> angles{&state.q, &state.v, &state.a};
+    const std::array<double*, 3> base{state.base_q, state.base_v, state.base_a};
+    for (std::size_t order = 0; order < 3; ++order)
+    {
+      angles[order]->resize(columns_.coordinates.size());
+      for (std::size_t i = 0; i < columns_.motion[order].size(); ++i)
+      {
+        double& place =
+            i < columns_.coordinates.size() ? (*angles[order])[i] : base[order][i - columns_.coordinates.size()];
+        place = number(columns_.motion[order][i]);
+      }
+    }
+    trajectory_.states.push_back(std::move(state));
+    trajectory_.places.push_back(line_.number);
+  }
+
+  // what only the whole file tells
+
+  void differentiate()
+  {
+    std::vector<desired_state_t>& states = trajectory_.states;
+    if (states.size() < static_cast<std::size_t>(kFewestSplineSamples))
+      throw Failure(ExitCode::bad_data, fmt::format("{}: found {} rows; expected at least {} for --differentiate",
+                                                    trajectory_.file, states.size(), kFewestSplineSamples));
+    const auto rows = static_cast<Eigen::Index>(states.size());
+    const auto angles = static_cast<Eigen::Index>(columns_.coordinates.size());
+    const Eigen::VectorXd times = Eigen::Map<const Eigen::VectorXd>(seconds_.data(), rows).array() - seconds_[0];
+    Eigen::MatrixXd values(rows, angles + (columns_.base_given ? 2 : 0));
+    for (Eigen::Index i = 0; i < rows; ++i)
+    {
+      const desired_state_t& state = states[static_cast<std::size_t>(i)];
+      values.row(i).head(angles) = Eigen::Map<const Eigen::RowVectorXd>(state.q.data(), angles);
+      if (columns_.base_given)
+        values.row(i).tail<2>() = Eigen::Map<const Eigen::RowVector2d>(state.base_q);
+    }
+
+    const Derivatives derivatives = spline_derivatives(times, values);
+    for (Eigen::Index i = 0; i < rows; ++i)
+    {
+      desired_state_t& state = states[static_cast<std::size_t>(i)];
+      Eigen::Map<Eigen::RowVectorXd>(state.v.data(), angles) = derivatives.first.row(i).head(angles);
+      Eigen::Map<Eigen::RowVectorXd>(state.a.data(), angles) = derivatives.second.row(i).head(angles);
+      if (columns_.base_given)
+      {
+        Eigen::Map<Eigen::RowVector2d>(state.base_v) = derivatives.first.row(i).tail<2>();
+        Eigen::Map<Eigen::RowVector2d>(state.base_a) = derivatives.second.row(i).tail<2>();
+      }
+    }
+  }
+
+  void complete_supports()
+  {
+    std::vector<std::int64_t> utime;
+    std::vector<Contacts> contacts;
+    for (const desired_state_t& state : trajectory_.states)
+    {
+      utime.push_back(state.utime);
+      contacts.push_back({static_cast<Contact>(state.left_contact), static_cast<Contact>(state.right_contact)});
+    }
+    const std::vector<Support> supports = follow_contacts(utime, contacts);
+    for (std::size_t i = 0; i < supports.size(); ++i)
+    {
+      desired_state_t& state = trajectory_.states[i];
+      if (!columns_.leading)
+        state.leading_foot = static_cast<std::int8_t>(supports[i].leading);
+      if (!columns_.load_transfer)
+        state.load_transfer = supports[i].load_transfer;
+      if (!columns_.phase)
+        state.phase = supports[i].phase;
+    }
+  }
+
+  CsvReader reader_;
+  const CoordinateNames& names_;
+  bool differentiate_;
+  CsvLine line_;
+  Trajectory trajectory_;
+
+  MotionColumns columns_;
+  std::vector<double> seconds_; // not rounded to µs
+  std::string previous_time_;
+};
+
+} // namespace
+
+Trajectory parse_csv_trajectory(std::string_view text, const std::string& file, const CoordinateNames& names,
+                                bool differentiate)
+{
+  return CsvTrajectory(text, file, names, differentiate).read();
+}
+
+} // namespace torqued
