@@ -44,6 +44,9 @@ std::vector<Bytes> find_messages(std::string_view bytes, const Channels& channel
   std::vector<Bytes> messages;
   origin.from_log = true;
   LogReader log(bytes);
+  if (log.cut() > 0)
+    origin.assumptions.push_back(
+        fmt::format("begins in the middle of a record; its first {} bytes were passed over", log.cut()));
   while (const auto record = log.next())
   {
     if (record->channel == channels.model && !origin.recorded_model)
@@ -62,7 +65,7 @@ std::vector<Bytes> find_messages(std::string_view bytes, const Channels& channel
       ++origin.undecodable;
     }
   }
-  origin.damaged_bytes = log.skipped();
+  origin.damaged_bytes = log.skipped() - log.cut();
   if (messages.empty())
     fail_without_states(bytes, origin, channels);
   return messages;

@@ -554,6 +554,22 @@ TEST_CASE("a damaged log gives every record that is whole", "[trajectory]")
       REQUIRE(trajectory.damaged_bytes == size - 3 * record);
     }
   }
+  SECTION("cut at any byte of its first record, as by a ring buffer")
+  {
+    for (std::size_t size = 1; size < record; ++size)
+    {
+      const std::string bytes = whole.substr(size);
+      REQUIRE(LogReader::is_log(bytes));
+      const Trajectory trajectory = read_log(bytes);
+      REQUIRE(trajectory.states.size() == 3);
+      REQUIRE(same(trajectory.states[0], states[1]));
+      REQUIRE(trajectory.damaged_bytes == 0);
+      REQUIRE(notes(trajectory, "", 0) ==
+              std::vector<std::string>{fmt::format(
+                  "log: begins in the middle of a record; its first {} bytes were passed over", record - size)});
+    }
+    CHECK_FALSE(LogReader::is_log(whole.substr(3 * record + 1))); // no whole record
+  }
   SECTION("with a destroyed sync word, or lengths that point far away or nowhere")
   {
     for (const std::size_t byte : {0, 20, 24})
