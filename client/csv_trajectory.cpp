@@ -1,12 +1,15 @@
 #include "client/csv_trajectory.h"
 
+#include "client/column_names.h"
 #include "client/csv_lines.h"
 #include "client/failure.h"
 #include "client/motion_columns.h"
 #include "client/spline.h"
 #include "client/support_course.h"
+#include "client/table_text.h"
 #include "robot/printable.h"
 
+#include <algorithm>
 #include <array>
 #include <charconv>
 #include <cmath>
@@ -55,17 +58,14 @@ public:
 
   Trajectory read()
   {
-    if (!reader_.next(line_))
-      throw Failure(
-          ExitCode::bad_data,
-          fmt::format("{}: found no line that names columns; expected one such as time,q0,...", trajectory_.file));
-    columns_ = find_columns(line_, trajectory_.file, names_, differentiate_);
+    columns_ = find_columns(reader_, trajectory_.file, names_, differentiate_);
     while (reader_.next(line_))
       read_row();
     if (trajectory_.states.empty())
       throw Failure(ExitCode::bad_data,
                     fmt::format("{}: found no row below the names of the columns; expected one per desired state",
                                 trajectory_.file));
+    collect_assumptions();
     if (differentiate_)
       differentiate();
     complete_supports();
@@ -89,7 +89,7 @@ private:
       fail(columns_.names[column], shown(cell(column)), "a number, such as -0.25 or 1e-3");
     if (!std::isfinite(value))
       fail(columns_.names[column], shown(cell(column)), "a finite number");
-    return value;
+    return columns_.factors[column] * value;
   }
 
   std::int64_t time()
@@ -157,15 +157,57 @@ private:
     return static_cast<std::int8_t>(value);
   }
 
+  // As many as there are names; cells and names without anything may be left out at the end of a line.
+  void check_cells() const
+  {
+    const std::vector<std::string>& cells = line_.cells;
+    const std::vector<std::string>& names = columns_.names;
+    const auto is_empty = [](const std::string& text)
+    {
+      return text.empty();
+    };
+    const std::size_t both = std::min(cells.size(), names.size());
+    const auto extra = cells.begin() + static_cast<std::ptrdiff_t>(both);
+    const auto missing = names.begin() + static_cast<std::ptrdiff_t>(both);
+    if (std::all_of(extra, cells.end(), is_empty) && std::all_of(missing, names.end(), is_empty))
+      return;
+
+    const char separator = reader_.text().separator();
+    for (const std::string& cell : cells)
+      if (const std::optional<char> other = other_separator(cell, separator))
+        throw Failure(ExitCode::bad_data,
+                      fmt::format("{}:{}: found {} in a row; expected {} between cells, as in the names of the columns",
+                                  trajectory_.file, line_.number, name_of_separator(*other),
+                                  name_of_separator(separator)));
+    const auto has_point = [](const std::string& text)
+    {
+      return text.find('.') != std::string::npos;
+    };
+    if (separator == ',' && cells.size() > names.size() + 1 && std::none_of(cells.begin(), cells.end(), has_point))
+      throw Failure(ExitCode::bad_data,
+                    fmt::format("{}:{}: found {} cells without a decimal point below {} names; expected as many cells "
+                                "as names: decimal commas cannot be told from the commas between cells, which must be "
+                                "semicolons or tabs then",
+                                trajectory_.file, line_.number, cells.size(), names.size()));
+    if (cells.size() < names.size())
+      fail(names[cells.size()], fmt::format("nothing, the row ends after {} cells", cells.size()),
+           fmt::format("{} cells", names.size()));
+    fail(fmt::format("{}", names.size() + 1), shown(cell(names.size())), fmt::format("{} cells", names.size()));
+  }
+
+  void collect_assumptions()
+  {
+    for (const std::vector<std::string>& some : {reader_.assumptions(), columns_.assumptions})
+      trajectory_.assumptions.insert(trajectory_.assumptions.end(), some.begin(), some.end());
+    const std::optional<OpenSimHeader>& opensim = reader_.text().opensim();
+    if (opensim && opensim->rows && *opensim->rows != trajectory_.states.size())
+      trajectory_.assumptions.push_back(fmt::format("its OpenSim header says nRows={}, but it has {} rows",
+                                                    *opensim->rows, trajectory_.states.size()));
+  }
+
   void read_row()
   {
-    if (line_.cells.size() < columns_.names.size())
-      fail(columns_.names[line_.cells.size()], fmt::format("nothing, the row ends after {} cells", line_.cells.size()),
-           fmt::format("{} cells", columns_.names.size()));
-    if (line_.cells.size() > columns_.names.size())
-      fail(fmt::format("{}", columns_.names.size() + 1), shown(cell(columns_.names.size())),
-           fmt::format("{} cells", columns_.names.size()));
-
+    check_cells();
     desired_state_t state{};
     state.utime = time();
     state.stream_id = 1;

@@ -1,5 +1,6 @@
 #include "client/answer_table.h"
 #include "client/files.h"
+#include "client/foreign_file.h"
 #include "client/lcm_log.h"
 #include "client/recorded.h"
 #include "client/subcommands.h"
@@ -152,7 +153,8 @@ ExitCode export_log(const Options& options)
   require_other_file(options.log, options.out);
   const std::string bytes = read_file(options.log);
   if (!LogReader::is_log(bytes))
-    throw Failure(ExitCode::bad_data, fmt::format("{}: is no LCM log; expected what lcm-logger wrote", options.log));
+    throw Failure(ExitCode::bad_data, fmt::format("{}: is {}; expected what lcm-logger wrote", options.log,
+                                                  foreign_file(bytes).value_or("no LCM log")));
   const Trajectory trajectory = parse_trajectory(bytes, options.log, {}, false, channels);
   const model_info_t model = robot_of(trajectory, options.robot);
   for (const std::string& line : notes(trajectory, model.name, model.model_id))

@@ -8,7 +8,6 @@
 #include <cstddef>
 #include <optional>
 #include <string>
-#include <string_view>
 #include <vector>
 
 namespace torqued
@@ -20,6 +19,7 @@ struct MotionColumns
   using Column = std::optional<std::size_t>;
 
   std::vector<std::string> names; ///< of all columns
+  std::vector<double> factors;    ///< of all columns: their numbers times this are in s, rad, m
   Column time, utime;             ///< one of the two
   Column leading, load_transfer, phase, method;
   std::array<std::size_t, 2> contacts{}; ///< left, right
@@ -29,14 +29,12 @@ struct MotionColumns
   /// Of positions, velocities and accelerations: each coordinate's column, then the base's x and z if it is given; with
   /// differentiate, only of positions.
   std::array<std::vector<std::size_t>, 3> motion;
+  std::vector<std::string> assumptions; ///< a sentence each
 };
 
-/// From the line that names the columns. Throws Failure, bad_data, for what is missing or there twice.
-MotionColumns find_columns(const CsvLine& header, const std::string& file, const CoordinateNames& names,
+/// Reads them from the names at the beginning of a table. Throws Failure, bad_data, as read_column_names() does, and
+/// for what is missing.
+MotionColumns find_columns(CsvReader& reader, const std::string& file, const CoordinateNames& names,
                            bool differentiate);
-
-/// Throws Failure, bad_data: "FILE:LINE: column NAME: found …; expected …".
-[[noreturn]] void fail_in_column(const std::string& file, std::size_t line, std::string_view column,
-                                 std::string_view found, std::string_view expected);
 
 } // namespace torqued

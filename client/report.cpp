@@ -257,6 +257,8 @@ Measured find_measured(const Input& input, const Samples& samples, const Robot& 
   const std::string bytes = read_file(options.measured);
   const Trajectory trajectory =
       parse_trajectory(bytes, options.measured, coordinate_names(robot), options.differentiate, channels);
+  for (const std::string& line : notes(trajectory, robot.name, robot.model_id))
+    note(line);
   const std::vector<DesiredState> states = decode_all(robot, encode_all(trajectory));
   const Measured measured = read_measured(bytes, options.measured, robot, states);
   if (measured.channels.empty())

@@ -6,14 +6,15 @@
 ///   q0, dq0, ddq0, …      each coordinate by its name, rad, with its first and second derivative: all absolute names,
 ///                         or all relative ones; absolute if both are complete
 ///   xH, zH, dxH, …        the base point by its names, m, with derivatives: all six, and the base is GIVEN; or none,
-///   and
-///                         it follows FROM_CONTACT
+///                         and it follows FROM_CONTACT
 ///   contactL, contactR    0, 1, 2, 3, or none, heel, sole, toe
 ///   leading               L or R                                      may be missing: see follow_contacts()
 ///   load_transfer, phase  0 to 1                                      may be missing: see follow_contacts()
 ///   method                a method's name or number; default or none  may be missing, or empty: default
 ///
-/// Further columns are not looked at. Numbers have a decimal point in every locale.
+/// Further columns are not looked at. Numbers have a decimal point in every locale. Other ways of writing the same
+/// table are read where they are unambiguous, and Origin::assumptions says so: encodings, separators, decimal commas
+/// and OpenSim's header (TableText); names in another case, names in a comment, other units (read_column_names()).
 #pragma once
 
 #include "robot/robot.h"
@@ -24,6 +25,7 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <set>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -35,7 +37,8 @@ namespace torqued
 struct CoordinateNames
 {
   std::vector<std::string> absolute, relative;
-  std::array<std::string, 2> base; ///< empty if the base point does not move
+  std::array<std::string, 2> base;          ///< empty if the base point does not move
+  std::set<std::string> displacements = {}; ///< those that are in m, of slides; all others are angles
 };
 CoordinateNames coordinate_names(const Robot& robot);
 CoordinateNames coordinate_names(const model_info_t& model);
@@ -71,8 +74,8 @@ struct DesiredMessages : Origin
   std::shared_ptr<const void> owner; ///< of their bytes
 };
 
-/// Reads a trajectory from a file's bytes. Whether they are a CSV or a log follows from them, not from the file's name,
-/// which is used in complaints only.
+/// Reads a trajectory from a file's bytes, unpacked. Whether they are a CSV or a log follows from them, not from the
+/// file's name, which is used in complaints only.
 ///
 /// CSV: stream_id is 1 and model_id 0. Derivative columns are taken if all are there; with differentiate, none is:
 /// derivatives are those of a quintic spline through the samples (spline_derivatives()), in unrounded time.
