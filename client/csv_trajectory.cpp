@@ -2,9 +2,9 @@
 
 #include "client/column_names.h"
 #include "client/csv_lines.h"
+#include "client/differentiation.h"
 #include "client/failure.h"
 #include "client/motion_columns.h"
-#include "client/spline.h"
 #include "client/support_course.h"
 #include "client/table_text.h"
 #include "robot/printable.h"
@@ -50,15 +50,16 @@ template <typename Number> bool parse(std::string_view cell, Number& number)
 class CsvTrajectory
 {
 public:
-  CsvTrajectory(std::string_view text, const std::string& file, const CoordinateNames& names, bool differentiate)
-      : reader_(text, file), names_(names), differentiate_(differentiate)
+  CsvTrajectory(std::string_view text, const std::string& file, const CoordinateNames& names,
+                const Differentiation& how)
+      : reader_(text, file), names_(names), how_(how)
   {
     trajectory_.file = file;
   }
 
   Trajectory read()
   {
-    columns_ = find_columns(reader_, trajectory_.file, names_, differentiate_);
+    columns_ = find_columns(reader_, trajectory_.file, names_, how_.wanted);
     while (reader_.next(line_))
       read_row();
     if (trajectory_.states.empty())
@@ -66,8 +67,11 @@ public:
                     fmt::format("{}: found no row below the names of the columns; expected one per desired state",
                                 trajectory_.file));
     collect_assumptions();
-    if (differentiate_)
-      differentiate();
+    const WrittenMotion written = written_motion();
+    const std::vector<std::string> doubts = doubt_units(written).sentences;
+    trajectory_.assumptions.insert(trajectory_.assumptions.end(), doubts.begin(), doubts.end());
+    if (how_.wanted)
+      find_derivatives(written);
     complete_supports();
     return std::move(trajectory_);
   }
@@ -90,6 +94,14 @@ private:
     if (!std::isfinite(value))
       fail(columns_.names[column], shown(cell(column)), "a finite number");
     return columns_.factors[column] * value;
+  }
+
+  // a position: NaN where none is written, if derivatives do not need all of them
+  double position(std::size_t column) const
+  {
+    const std::string& text = cell(column);
+    const bool none = text.empty() || text == "nan" || text == "NaN" || text == "NAN" || text == "NA";
+    return how_.wanted && none ? NAN : number(column);
   }
 
   std::int64_t time()
@@ -230,7 +242,7 @@ private:
       {
         double& place =
             i < columns_.coordinates.size() ? (*angles[order])[i] : base[order][i - columns_.coordinates.size()];
-        place = number(columns_.motion[order][i]);
+        place = order == 0 ? position(columns_.motion[0][i]) : number(columns_.motion[order][i]);
       }
     }
     trajectory_.states.push_back(std::move(state));
@@ -239,36 +251,64 @@ private:
 
   // what only the whole file tells
 
-  void differentiate()
+  WrittenMotion written_motion() const
   {
-    std::vector<desired_state_t>& states = trajectory_.states;
-    if (states.size() < static_cast<std::size_t>(kFewestSplineSamples))
-      throw Failure(ExitCode::bad_data, fmt::format("{}: found {} rows; expected at least {} for --differentiate",
-                                                    trajectory_.file, states.size(), kFewestSplineSamples));
-    const auto rows = static_cast<Eigen::Index>(states.size());
-    const auto angles = static_cast<Eigen::Index>(columns_.coordinates.size());
-    const Eigen::VectorXd times = Eigen::Map<const Eigen::VectorXd>(seconds_.data(), rows).array() - seconds_[0];
-    Eigen::MatrixXd values(rows, angles + (columns_.base_given ? 2 : 0));
+    WrittenMotion written;
+    written.time_column = columns_.utime ? "utime" : "time";
+    written.times = seconds_;
+    written.columns = columns_.coordinates;
+    for (const std::string& name : columns_.coordinates)
+      written.is_angle.push_back(!names_.displacements.contains(name));
+    written.base_given = columns_.base_given;
+    if (written.base_given)
+    {
+      written.columns.insert(written.columns.end(), names_.base.begin(), names_.base.end());
+      written.is_angle.insert(written.is_angle.end(), names_.base.size(), false);
+    }
+    const auto rows = static_cast<Eigen::Index>(trajectory_.states.size());
+    const auto coordinates = static_cast<Eigen::Index>(written.columns.size());
+    written.positions.resize(rows, coordinates);
+    if (!how_.wanted)
+      written.velocities.resize(rows, coordinates);
     for (Eigen::Index i = 0; i < rows; ++i)
     {
-      const desired_state_t& state = states[static_cast<std::size_t>(i)];
-      values.row(i).head(angles) = Eigen::Map<const Eigen::RowVectorXd>(state.q.data(), angles);
-      if (columns_.base_given)
-        values.row(i).tail<2>() = Eigen::Map<const Eigen::RowVector2d>(state.base_q);
+      const desired_state_t& state = trajectory_.states[static_cast<std::size_t>(i)];
+      put(written.positions, i, state.q, state.base_q);
+      if (!how_.wanted)
+        put(written.velocities, i, state.v, state.base_v);
     }
+    return written;
+  }
 
-    const Derivatives derivatives = spline_derivatives(times, values);
-    for (Eigen::Index i = 0; i < rows; ++i)
+  // one row of coordinates, of which the base's are the last two if it is given
+  void put(Eigen::MatrixXd& rows, Eigen::Index row, const std::vector<double>& angles, const double* base) const
+  {
+    const auto count = static_cast<Eigen::Index>(angles.size());
+    rows.row(row).head(count) = Eigen::Map<const Eigen::RowVectorXd>(angles.data(), count);
+    if (columns_.base_given)
+      rows.row(row).tail<2>() = Eigen::Map<const Eigen::RowVector2d>(base);
+  }
+  void get(const Eigen::MatrixXd& rows, Eigen::Index row, std::vector<double>& angles, double* base) const
+  {
+    const auto count = static_cast<Eigen::Index>(angles.size());
+    Eigen::Map<Eigen::RowVectorXd>(angles.data(), count) = rows.row(row).head(count);
+    if (columns_.base_given)
+      Eigen::Map<Eigen::RowVector2d>(base) = rows.row(row).tail<2>();
+  }
+
+  void find_derivatives(const WrittenMotion& written)
+  {
+    Differentiated found = differentiate(written, how_, trajectory_.file, trajectory_.places);
+    for (std::size_t i = 0; i < trajectory_.states.size(); ++i)
     {
-      desired_state_t& state = states[static_cast<std::size_t>(i)];
-      Eigen::Map<Eigen::RowVectorXd>(state.v.data(), angles) = derivatives.first.row(i).head(angles);
-      Eigen::Map<Eigen::RowVectorXd>(state.a.data(), angles) = derivatives.second.row(i).head(angles);
-      if (columns_.base_given)
-      {
-        Eigen::Map<Eigen::RowVector2d>(state.base_v) = derivatives.first.row(i).tail<2>();
-        Eigen::Map<Eigen::RowVector2d>(state.base_a) = derivatives.second.row(i).tail<2>();
-      }
+      desired_state_t& state = trajectory_.states[i];
+      const auto row = static_cast<Eigen::Index>(i);
+      get(found.motion.position, row, state.q, state.base_q);
+      get(found.motion.velocity, row, state.v, state.base_v);
+      get(found.motion.acceleration, row, state.a, state.base_a);
     }
+    seconds_ = std::move(found.times);
+    trajectory_.assumptions.insert(trajectory_.assumptions.end(), found.notes.begin(), found.notes.end());
   }
 
   void complete_supports()
@@ -277,7 +317,10 @@ private:
     std::vector<Contacts> contacts;
     for (const desired_state_t& state : trajectory_.states)
     {
-      utime.push_back(state.utime);
+      // of the frames where times were put back on them
+      const std::int64_t taken =
+          how_.wanted ? std::llround(1e6 * (seconds_[utime.size()] - seconds_.front())) : state.utime;
+      utime.push_back(utime.empty() ? taken : std::max(taken, utime.back() + 1));
       contacts.push_back({static_cast<Contact>(state.left_contact), static_cast<Contact>(state.right_contact)});
     }
     const std::vector<Support> supports = follow_contacts(utime, contacts);
@@ -295,7 +338,7 @@ private:
 
   CsvReader reader_;
   const CoordinateNames& names_;
-  bool differentiate_;
+  const Differentiation& how_;
   CsvLine line_;
   Trajectory trajectory_;
 
@@ -307,9 +350,9 @@ private:
 } // namespace
 
 Trajectory parse_csv_trajectory(std::string_view text, const std::string& file, const CoordinateNames& names,
-                                bool differentiate)
+                                const Differentiation& how)
 {
-  return CsvTrajectory(text, file, names, differentiate).read();
+  return CsvTrajectory(text, file, names, how).read();
 }
 
 } // namespace torqued

@@ -11,6 +11,6 @@ namespace torqued
 
 /// As parse_trajectory() reads a file that is no log.
 Trajectory parse_csv_trajectory(std::string_view text, const std::string& file, const CoordinateNames& names,
-                                bool differentiate);
+                                const Differentiation& how);
 
 } // namespace torqued

@@ -19,8 +19,7 @@ void add_offline_options(CLI::App& subcommand, OfflineOptions& options, const st
     subcommand.add_option("-o,--output", options.out, out)->type_name("OUT")->required();
   add_robot_option(subcommand, options.robot, "default: ck");
   add_prefix_option(subcommand, options.prefix);
-  subcommand.add_flag("--differentiate", options.differentiate,
-                      "find the derivatives by a spline through the samples, six or more; CSV only");
+  add_differentiation_options(subcommand, options.differentiation);
 }
 
 void add_answer_options(CLI::App& subcommand, OfflineOptions& options)
@@ -41,7 +40,7 @@ OfflineInput read_offline_input(const OfflineOptions& options)
   Robot robot = load_robot(config.robot);
   check_fits(config, robot);
   DesiredMessages desired =
-      read_messages(options.file, coordinate_names(robot), options.differentiate, Channels(config.prefix));
+      read_messages(options.file, coordinate_names(robot), options.differentiation, Channels(config.prefix));
   for (const std::string& line : notes(desired, robot.name, robot.model_id))
     note(line);
   return {std::move(config), std::move(robot), std::move(desired)};

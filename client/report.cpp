@@ -32,7 +32,7 @@ struct Options
   std::vector<std::string> files, methods;
   std::string out, robot, config, measured;
   std::optional<std::string> prefix, from, to;
-  bool differentiate = false;
+  Differentiation differentiation;
 };
 
 // One file: its bytes, and how they were read.
@@ -256,7 +256,7 @@ Measured find_measured(const Input& input, const Samples& samples, const Robot& 
                                               Rows(samples.places.begin(), samples.places.end()));
   const std::string bytes = read_file(options.measured);
   const Trajectory trajectory =
-      parse_trajectory(bytes, options.measured, coordinate_names(robot), options.differentiate, channels);
+      parse_trajectory(bytes, options.measured, coordinate_names(robot), options.differentiation, channels);
   for (const std::string& line : notes(trajectory, robot.name, robot.model_id))
     note(line);
   const std::vector<DesiredState> states = decode_all(robot, encode_all(trajectory));
@@ -322,7 +322,7 @@ ExitCode report(const Options& options)
   const Robot robot = find_robot(inputs, config, options, channels);
   for (Input& input : inputs)
     input.trajectory =
-        parse_trajectory(input.bytes, input.file, coordinate_names(robot), options.differentiate, channels);
+        parse_trajectory(input.bytes, input.file, coordinate_names(robot), options.differentiation, channels);
   check_fits(config, robot);
 
   flush_denormals();
@@ -386,8 +386,7 @@ Subcommand add_report(CLI::App& torquectl)
   app->add_option("--from", options->from, "begin there, s since the first sample")->type_name("S")->check(check_time);
   app->add_option("--to", options->to, "end there, s since the first sample")->type_name("S")->check(check_time);
   add_prefix_option(*app, options->prefix);
-  app->add_flag("--differentiate", options->differentiate,
-                "find the derivatives by a spline through the samples, six or more; CSV only");
+  add_differentiation_options(*app, options->differentiation);
   app->footer(
       "Of a log the page shows what the daemon answered; of a CSV, or with --method, what it would answer, as eval "
       "does.\n"

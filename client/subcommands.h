@@ -17,6 +17,8 @@ class App;
 namespace torqued
 {
 
+struct Differentiation;
+
 /// A subcommand that has been added to the app: its options are parsed into what `run` works on.
 struct Subcommand
 {
@@ -47,6 +49,8 @@ std::string method_names();
 void add_method_option(CLI::App& subcommand, std::optional<std::string>& method, const std::string& what);
 /// Adds an option --prefix.
 void add_prefix_option(CLI::App& subcommand, std::optional<std::string>& prefix);
+/// Adds options --differentiate and --lowpass.
+void add_differentiation_options(CLI::App& subcommand, Differentiation& differentiation);
 /// Adds an option --lcm-url.
 void add_bus_option(CLI::App& subcommand, std::string& lcm_url);
 

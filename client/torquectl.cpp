@@ -1,5 +1,6 @@
 #include "client/torquectl.h"
 
+#include "client/differentiation.h"
 #include "client/files.h"
 #include "client/subcommands.h"
 #include "robot/strict_toml.h"
@@ -123,6 +124,20 @@ void add_method_option(CLI::App& subcommand, std::optional<std::string>& method,
 void add_prefix_option(CLI::App& subcommand, std::optional<std::string>& prefix)
 {
   subcommand.add_option("--prefix", prefix, "stands before each channel's name")->type_name("TEXT");
+}
+
+void add_differentiation_options(CLI::App& subcommand, Differentiation& differentiation)
+{
+  CLI::Option* wanted =
+      subcommand.add_flag("--differentiate", differentiation.wanted,
+                          "find the derivatives by a quintic spline through the samples, six or more; CSV only");
+  subcommand
+      .add_option("--lowpass", differentiation.lowpass,
+                  "before that, low-pass all coordinates: Butterworth, second order, forward and backward (no lag); HZ "
+                  "is the cut-off of one pass, 6 to 10 for measured walks")
+      ->type_name("HZ")
+      ->check(check_positive)
+      ->needs(wanted);
 }
 
 void add_bus_option(CLI::App& subcommand, std::string& lcm_url)

@@ -90,6 +90,14 @@ CoordinateNames coordinate_names(const std::vector<std::string>& absolute, const
   return names;
 }
 
+std::vector<std::string> doubt_options(const Differentiation& how)
+{
+  if (how.wanted)
+    return {
+        "a log's desired states have their derivatives, which are taken; --differentiate and --lowpass are for CSV"};
+  return {};
+}
+
 } // namespace
 
 CoordinateNames coordinate_names(const Robot& robot)
@@ -120,25 +128,27 @@ std::string Origin::place(std::size_t state) const
 }
 
 Trajectory parse_trajectory(std::string_view bytes, const std::string& file, const CoordinateNames& names,
-                            bool differentiate, const Channels& channels)
+                            const Differentiation& how, const Channels& channels)
 {
   if (!LogReader::is_log(bytes))
-    return parse_csv_trajectory(bytes, file, names, differentiate);
+    return parse_csv_trajectory(bytes, file, names, how);
   Trajectory trajectory;
   trajectory.file = file;
+  trajectory.assumptions = doubt_options(how);
   for (const Bytes message : find_messages(bytes, channels, trajectory))
     decode(message, trajectory.states.emplace_back());
   return trajectory;
 }
 
-DesiredMessages read_messages(const std::string& file, const CoordinateNames& names, bool differentiate,
+DesiredMessages read_messages(const std::string& file, const CoordinateNames& names, const Differentiation& how,
                               const Channels& channels)
 {
   const auto input = std::make_shared<const InputFile>(file);
   if (!LogReader::is_log(input->bytes()))
-    return encode_all(parse_csv_trajectory(input->bytes(), file, names, differentiate));
+    return encode_all(parse_csv_trajectory(input->bytes(), file, names, how));
   DesiredMessages desired;
   desired.file = file;
+  desired.assumptions = doubt_options(how);
   desired.messages = find_messages(input->bytes(), channels, desired);
   desired.owner = input;
   return desired;

@@ -6,7 +6,9 @@
 ///   q0, dq0, ddq0, …      each coordinate by its name, rad, with its first and second derivative: all absolute names,
 ///                         or all relative ones; absolute if both are complete
 ///   xH, zH, dxH, …        the base point by its names, m, with derivatives: all six, and the base is GIVEN; or none,
-///                         and it follows FROM_CONTACT
+///   and
+///                         it follows FROM_CONTACT
+///   (with --differentiate: the positions alone; a cell may be empty, nan or NA)
 ///   contactL, contactR    0, 1, 2, 3, or none, heel, sole, toe
 ///   leading               L or R                                      may be missing: see follow_contacts()
 ///   load_transfer, phase  0 to 1                                      may be missing: see follow_contacts()
@@ -17,6 +19,7 @@
 /// and OpenSim's header (TableText); names in another case, names in a comment, other units (read_column_names()).
 #pragma once
 
+#include "client/differentiation.h"
 #include "robot/robot.h"
 #include "wire/codec.h"
 
@@ -77,16 +80,16 @@ struct DesiredMessages : Origin
 /// Reads a trajectory from a file's bytes, unpacked. Whether they are a CSV or a log follows from them, not from the
 /// file's name, which is used in complaints only.
 ///
-/// CSV: stream_id is 1 and model_id 0. Derivative columns are taken if all are there; with differentiate, none is:
-/// derivatives are those of a quintic spline through the samples (spline_derivatives()), in unrounded time.
-/// Log: the desired states on their channel as they are, in the log's order; names and differentiate do not matter.
+/// CSV: stream_id is 1 and model_id 0. Derivative columns are taken if all are there; with `how.wanted`, none is:
+/// derivatives are those that differentiate() finds. Units that the numbers do not look like are among the assumptions.
+/// Log: the desired states on their channel as they are, in the log's order; names and how do not matter.
 ///
 /// Throws Failure, bad_data: "FILE:LINE: column NAME: found …; expected …".
 Trajectory parse_trajectory(std::string_view bytes, const std::string& file, const CoordinateNames& names,
-                            bool differentiate, const Channels& channels);
+                            const Differentiation& how, const Channels& channels);
 
 /// The same of a file, and without decoding what was recorded. Throws what InputFile and parse_trajectory() throw.
-DesiredMessages read_messages(const std::string& file, const CoordinateNames& names, bool differentiate,
+DesiredMessages read_messages(const std::string& file, const CoordinateNames& names, const Differentiation& how,
                               const Channels& channels);
 
 /// A trajectory's states as messages.

@@ -83,6 +83,21 @@ TEST_CASE("send counts what became of every sample, and its exit code says wheth
   CHECK(some.output.find("some.csv:3: load_transfer is 2; expected 0 to 1\n") != std::string::npos);
 }
 
+TEST_CASE("send gets an answer to both of two samples 1 us apart, from a daemon that answers the newest",
+          "[torquectl_process]")
+{
+  const TemporaryFolder folder;
+  Process torqued({TORQUED, "--robot", "ck"}, folder.file("torqued"));
+  const std::string walk = folder.file("walk.csv");
+  REQUIRE(run({"gait", "--robot", "ck", "--steps", "2", "-o", walk}).code == 0);
+  const Run sent = run({"send", walk, "--json"});
+  CAPTURE(sent.output);
+  const auto summary = nlohmann::json::parse(sent.output.substr(sent.output.find('{')));
+  CHECK(summary["sent"] > 200);
+  CHECK(summary["answered"] == summary["sent"]);
+  CHECK(summary["lost"] == 0);
+}
+
 TEST_CASE("send says when a daemon dies under it, and when there is none", "[torquectl_process]")
 {
   const TemporaryFolder folder;
