@@ -34,16 +34,16 @@ struct Options
 struct MethodRun
 {
   std::string method;
-  Answers answers;
+  Answered answered;
   Outcome outcome;
 };
 
 MethodRun run_method(const Robot& robot, const AnswerSettings& settings, const std::vector<DesiredState>& states,
                      const Changes& changes, std::string name)
 {
-  Answers answers = answer_all(robot, settings, states, settings.methods.method).answers;
-  Outcome outcome = outcome_of(robot, states, answers, changes);
-  return {std::move(name), std::move(answers), std::move(outcome)};
+  Answered answered = answer_all(robot, settings, states, settings.methods.method);
+  Outcome outcome = outcome_of(robot, states, answered.answers, changes);
+  return {std::move(name), std::move(answered), std::move(outcome)};
 }
 
 std::string share(int part, int whole)
@@ -156,7 +156,7 @@ void print_agreements(const std::vector<Channel>& channels, const std::vector<Me
   for (const MethodRun& run : runs)
     methods.push_back({run.method, [&run](const Channel& channel)
                        {
-                         return values_of(channel, run.answers);
+                         return values_of(channel, run.answered.answers);
                        }});
   std::vector<Compared> plates_first = methods;
   const auto from_plates = [&channels](int joint)
@@ -206,7 +206,7 @@ void write_json(const std::string& path, const Robot& robot, const std::vector<D
                             {"unit", channel.unit},
                             {"range", channel.range()}});
       for (const Part& part : parts)
-        agreements.back()[part.key] = json(agreement(channel, values_of(channel, run.answers), part.chosen));
+        agreements.back()[part.key] = json(agreement(channel, values_of(channel, run.answered.answers), part.chosen));
     }
     methods.push_back({{"method", run.method},
                        {"answered", outcome.answered},
@@ -248,6 +248,18 @@ void print_outcomes(const Changes& changes, const std::vector<MethodRun>& runs)
       "largest torque, N m;\nsum over the motors, N² m² s; share of double support in which no foot slips, lifts "
       "or tips; in which conditions gave way\n",
       changes.longest);
+}
+
+void require_answers(const std::string& file, const std::vector<MethodRun>& runs)
+{
+  if (std::any_of(runs.begin(), runs.end(), [](const MethodRun& run) { return run.outcome.answered > 0; }))
+    return;
+  std::string reasons;
+  for (const auto& [reason, count] : runs.front().answered.refused)
+    reasons += fmt::format(", {} {}", reason, count);
+  throw Failure(ExitCode::bad_data,
+                fmt::format("{}: no sample was answered by any method: by {}{}; torquectl eval says what was refused",
+                            file, runs.front().method, reasons));
 }
 
 ExitCode compare(const Options& options)
@@ -294,6 +306,7 @@ ExitCode compare(const Options& options)
     if (run.outcome.answered < static_cast<int>(states.size()))
       note(fmt::format("{}: {} of {} samples were not answered; torquectl eval --method says why", run.method,
                        states.size() - static_cast<std::size_t>(run.outcome.answered), states.size()));
+  require_answers(options.offline.file, runs);
   return ExitCode::done;
 }
 
@@ -314,7 +327,7 @@ Subcommand add_compare(CLI::App& torquectl)
       "samples, so it is exact where both show the same instant, as in a walk of torquectl gait.\n\n"
       "A CSV may hold what was measured along the motion: FxL, FzL, ML, FxR, FzR, MR (force plates: N, and N m about\n"
       "the ankles) and joint moments by others, pub_ankleL and so on, positive from the proximal on the distal\n"
-      "segment. Nothing or nan where there is none.\n\n"
+      "segment. Nothing or nan where there is none. The exit code is 65 if no method answers any sample.\n\n"
       "Example, in the source directory:\n"
       "  torquectl compare client/trajectories/subject01-walk/walk.csv --robot human-subject01");
   return {app, [options]

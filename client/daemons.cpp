@@ -1,5 +1,6 @@
 #include "client/daemons.h"
 
+#include "client/old_messages.h"
 #include "client/tally.h"
 #include "daemon/config.h"
 #include "robot/printable.h"
@@ -158,7 +159,7 @@ bool Daemon::present() const
 void DaemonsHeard::hear_status(const std::string& prefix, Bytes message, Clock::time_point now)
 {
   status_t status;
-  if (!decode(message, status))
+  if (!decode(message, status) && !decode_old(message, status))
     return;
   if (heard_.size() == kMostDaemons && heard_.count(status.instance_id) == 0)
     heard_.erase(std::min_element(heard_.begin(), heard_.end(),

@@ -41,6 +41,7 @@ class DaemonsHeard
 public:
   using Clock = Bus::Clock;
 
+  /// Of an older daemon, too, old_messages.h.
   void hear_status(const std::string& prefix, Bytes message, Clock::time_point now);
   /// Of a daemon whose status was heard before; others' are dropped.
   void hear_model(Bytes message);

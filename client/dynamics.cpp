@@ -114,13 +114,14 @@ ExitCode dynamics(const Options& options)
   StreamMemory memory;
   flush_denormals();
   std::size_t refused_samples = 0;
+  std::string first_refusal;
   for (std::size_t i = 0; i < desired.messages.size(); ++i)
   {
     const std::int64_t utime = read_sender(desired.messages[i]).utime;
     const auto refuse_sample = [&](std::string_view why)
     {
       if (refused_samples++ == 0)
-        note(fmt::format("{}: {}", desired.place(i), why));
+        first_refusal = fmt::format("{}: {}", desired.place(i), why);
       return refused(utime, why);
     };
     const auto line = [&]() -> Json
@@ -155,9 +156,14 @@ ExitCode dynamics(const Options& options)
     out.write(line().dump() + "\n");
   }
   out.close();
-  if (path != "-")
-    fmt::print("{}: {} of {} samples, in {} coordinates\n", robot.name, desired.messages.size() - refused_samples,
-               desired.messages.size(), options.coordinates);
+  const std::size_t samples = desired.messages.size();
+  print_summary(path, fmt::format("{}: {} of {} samples, in {} coordinates\n", robot.name, samples - refused_samples,
+                                  samples, options.coordinates));
+  if (refused_samples == samples)
+    throw Failure(ExitCode::bad_data, fmt::format("{}: all {} samples were refused; the first: {}",
+                                                  options.offline.file, samples, first_refusal));
+  if (refused_samples > 0)
+    note(fmt::format("{} of {} samples were refused; the first: {}", refused_samples, samples, first_refusal));
   return ExitCode::done;
 }
 
@@ -168,7 +174,7 @@ Subcommand add_dynamics(CLI::App& torquectl)
   const auto options = std::make_shared<Options>();
   CLI::App* app = torquectl.add_subcommand(
       "dynamics", "the equation of motion along a trajectory: M, C, h, g, B, J, one JSON object per sample");
-  add_offline_options(*app, options->offline, ".json or .jsonl, one object per line; - for the terminal");
+  add_offline_options(*app, options->offline, ".json or .jsonl, one object per line; - is the standard output");
   app->add_option("--coordinates", options->coordinates, "absolute (default) or relative")
       ->check(CLI::IsMember({"absolute", "relative"}))
       ->type_name("KIND");

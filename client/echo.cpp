@@ -2,6 +2,7 @@
 #include "client/bus.h"
 #include "client/daemons.h"
 #include "client/files.h"
+#include "client/robot_choice.h"
 #include "client/subcommands.h"
 #include "client/tally.h"
 #include "robot/printable.h"
@@ -12,6 +13,7 @@
 #include <chrono>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
+#include <iterator>
 #include <limits>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -101,26 +103,33 @@ class Csv : public Format
 public:
   std::string header(const model_info_t& model) override
   {
-    num_joints_ = model.joint_names.size();
-    return row("utime", answer_columns(model.joint_names));
+    std::vector<std::string> accelerations;
+    for (std::int32_t i = 0; i < model.num_coordinates; ++i)
+      accelerations.push_back(fmt::format("{}", i));
+    floats_ = !model.base_names[0].empty();
+    if (floats_)
+      accelerations.insert(accelerations.end(), std::begin(model.base_names), std::end(model.base_names));
+    const std::vector<std::string> columns = answer_columns(model.joint_names, accelerations);
+    size_ = columns.size();
+    return csv_line({"utime", "time"}, columns) + robot_lines(model.name, model.model_id);
   }
   std::string line(const torque_command_t& command) override
   {
-    return row(fmt::format("{}", command.utime), answer_cells(command));
+    std::vector<double> accelerations = command.a;
+    if (floats_)
+      accelerations.insert(accelerations.end(), std::begin(command.base_a), std::end(command.base_a));
+    return csv_line(times(command.utime), answer_cells(command, accelerations));
   }
   std::string line(const rejection_t& rejection) override
   {
-    return row(fmt::format("{}", rejection.utime), rejected_cells(num_joints_, reason_name(rejection.reason)));
+    return csv_line(times(rejection.utime), rejected_cells(size_, reason_name(rejection.reason)));
   }
   std::string line(const status_t& status) override { return "# " + sentence(status); }
 
 private:
-  static std::string row(const std::string& utime, std::vector<std::string> cells)
-  {
-    cells.insert(cells.begin(), utime);
-    return csv_line(cells);
-  }
-  std::size_t num_joints_ = 0;
+  static std::vector<std::string> times(std::int64_t utime) { return {fmt::format("{}", utime), seconds_cell(utime)}; }
+  std::size_t size_ = 0; // columns of an answer
+  bool floats_ = false;
 };
 
 // one object per line, with the messages' field names
@@ -152,6 +161,9 @@ public:
                  {"contact_speed", command.contact_speed},
                  {"contact_residual", command.contact_residual},
                  {"compute_ns", command.compute_ns},
+                 {"base_a", command.base_a},
+                 {"adjustment", command.adjustment},
+                 {"a", command.a},
                  {"torque", torque}});
   }
   std::string line(const rejection_t& rejection) override
@@ -178,6 +190,7 @@ public:
                  {"late", status.late},
                  {"conflicts", status.conflicts},
                  {"dropped_logs", status.dropped_logs},
+                 {"dropped_upper_bound", status.dropped_upper_bound},
                  {"last_reason", status.last_reason == 0 ? Json() : Json(reason_name(status.last_reason))},
                  {"input_age_us", status.input_age_us},
                  {"latency_us_p50", status.latency_us_p50},
@@ -217,7 +230,7 @@ public:
       return;
     if (command.model_id != model_id_ && command.model_id == bus_.model().model_id)
       write_header();
-    if (command.model_id != model_id_ || command.torque.size() != num_joints_)
+    if (command.model_id != model_id_ || command.torque.size() != num_joints_ || command.a.size() != num_coordinates_)
       return note_strangers();
     write(format_.line(command));
     ++count_;
@@ -249,6 +262,7 @@ private:
   {
     model_id_ = bus_.model().model_id;
     num_joints_ = bus_.model().joint_names.size();
+    num_coordinates_ = bus_.model().absolute_names.size();
     write(format_.header(bus_.model()));
   }
   void note_strangers()
@@ -262,7 +276,7 @@ private:
   Format& format_;
   OutputFile out_{"-"};
   std::int64_t model_id_ = 0, count_ = 0;
-  std::size_t num_joints_ = 0;
+  std::size_t num_joints_ = 0, num_coordinates_ = 0;
   bool strangers_noted_ = false;
 };
 

@@ -1,7 +1,8 @@
-#include "client/answer_table.h"
 #include "client/files.h"
 #include "client/lcm_log.h"
+#include "client/motion_table.h"
 #include "client/offline.h"
+#include "client/robot_choice.h"
 #include "client/subcommands.h"
 #include "client/tally.h"
 
@@ -18,31 +19,37 @@ namespace
 {
 
 // Writes answers as rows of a CSV, or as the log that lcm-logger would have recorded: model, desired states, answers.
-// begin: of the motion, µs
 class AnswerWriter
 {
 public:
-  AnswerWriter(const std::string& path, const Robot& robot, const Config& config, std::int64_t begin)
-      : channels_(config.prefix), num_joints_(robot.actuators.size())
+  AnswerWriter(const std::string& path, const Robot& robot, const Config& config, const DesiredMessages& motion)
+      : channels_(config.prefix), seconds_(motion.seconds)
   {
+    const model_info_t model = model_info(robot, 0, settings_id(config.answers), to_toml(config));
     if (path.ends_with(".lcm"))
     {
       log_.emplace(path);
-      const model_info_t model = model_info(robot, 0, settings_id(config.answers), to_toml(config));
-      log_->write(channels_.model, begin, encode(model, buffer_));
+      log_->write(channels_.model, read_sender(motion.messages.front()).utime, encode(model, buffer_));
       return;
     }
-    std::vector<std::string> joint_names;
-    for (const Actuator& actuator : robot.actuators)
-      joint_names.push_back(actuator.name);
+    table_.emplace(model);
+    for (const Bytes message : motion.messages)
+    {
+      decode(message, state_);
+      table_->see(state_);
+    }
     csv_.emplace(path);
-    write_row("utime", answer_columns(joint_names));
+    csv_->write(table_->header());
+    csv_->write(robot_lines(robot.name, robot.model_id));
   }
 
+  // the next desired state of the motion, whose answer follows
   void heard(std::int64_t utime, Bytes desired)
   {
     if (log_)
-      log_->write(channels_.desired, utime, desired);
+      return log_->write(channels_.desired, utime, desired);
+    decode(desired, state_);
+    time_ = seconds_.empty() ? std::nullopt : std::optional(seconds_[next_++]);
   }
 
   void write(const torque_command_t& command)
@@ -50,7 +57,7 @@ public:
     if (log_)
       log_->write(channels_.command, command.utime, encode(command, buffer_));
     else
-      write_row(fmt::format("{}", command.utime), answer_cells(command));
+      csv_->write(table_->line(state_, time_, command));
   }
 
   void write(const rejection_t& rejection)
@@ -58,7 +65,7 @@ public:
     if (log_)
       log_->write(channels_.rejected, rejection.utime, encode(rejection, buffer_));
     else
-      write_row(fmt::format("{}", rejection.utime), rejected_cells(num_joints_, reason_name(rejection.reason)));
+      csv_->write(table_->line(state_, time_, reason_name(rejection.reason)));
   }
 
   void close()
@@ -70,15 +77,13 @@ public:
   }
 
 private:
-  void write_row(const std::string& utime, std::vector<std::string> cells)
-  {
-    cells.insert(cells.begin(), utime);
-    csv_->write(csv_line(cells));
-  }
-
   const Channels channels_;
-  std::size_t num_joints_;
+  const std::vector<double> seconds_; // of the motion, as they were read; none of a log
+  std::optional<MotionTable> table_;
   std::optional<OutputFile> csv_;
+  desired_state_t state_;
+  std::size_t next_ = 0;
+  std::optional<double> time_;
   std::optional<LogWriter> log_;
   std::vector<std::byte> buffer_;
 };
@@ -122,16 +127,18 @@ Tally answer_all(const Robot& robot, const AnswerSettings& settings, const Desir
 
 ExitCode eval(const OfflineOptions& options)
 {
-  if (!options.out.ends_with(".csv") && !options.out.ends_with(".lcm"))
+  if (!options.out.ends_with(".csv") && !options.out.ends_with(".lcm") && options.out != "-")
     throw Failure(ExitCode::usage,
-                  fmt::format("-o: found \"{}\"; expected a name that ends in .csv or .lcm", options.out));
+                  fmt::format("-o: found \"{}\"; expected a name that ends in .csv or .lcm, or -", options.out));
   const auto [config, robot, desired] = read_offline_input(options);
 
-  AnswerWriter writer(options.out, robot, config, read_sender(desired.messages.front()).utime);
+  AnswerWriter writer(options.out, robot, config, desired);
   const Tally tally = answer_all(robot, config.answers, desired, writer);
   writer.close();
-  fmt::print("{}: {} of {} samples answered, {}\n{}{}", robot.name, tally.answered, desired.messages.size(),
-             tally.rejections(), tally.flag_line(), tally.first_of_each());
+  print_summary(options.out,
+                fmt::format("{}: {} of {} samples answered, {}\n{}{}", robot.name, tally.answered,
+                            desired.messages.size(), tally.rejections(), tally.flag_line(), tally.first_of_each()));
+  tally.require_answers(options.file);
   return ExitCode::done;
 }
 
@@ -141,11 +148,15 @@ Subcommand add_eval(CLI::App& torquectl)
 {
   const auto options = std::make_shared<OfflineOptions>();
   CLI::App* app = torquectl.add_subcommand("eval", "answer a trajectory without a bus: the same bits as the daemon's");
-  add_offline_options(*app, *options,
-                      "where the answers go: .csv, one row each, or .lcm, a log of desired states and answers");
+  add_offline_options(
+      *app, *options,
+      "where the answers go: .csv, one row each, or .lcm, a log of desired states and answers; - is the "
+      "CSV on the standard output");
   add_answer_options(*app, *options);
   app->footer(
-      "Rejected samples have a row that says so; the exit code is 0 all the same.\n\n"
+      "A row of the CSV holds a desired state and its answer, so it can be read as a trajectory again, as what export\n"
+      "writes can; its column `method` then asks for the methods that answered.\n"
+      "Rejected samples have a row that says so. The exit code is 0 if any sample was answered, 65 if none was.\n\n"
       "Example, in the source directory:\n"
       "  torquectl eval client/trajectories/subject01-walk/walk.csv --robot human-subject01 -o /tmp/answers.csv");
   return {app, [options]

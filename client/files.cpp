@@ -1,6 +1,7 @@
 #include "client/files.h"
 
 #include "client/failure.h"
+#include "client/gzip.h"
 
 #include <cerrno>
 #include <filesystem>
@@ -41,12 +42,30 @@ InputFile::InputFile(const std::string& path)
   if (!good)
     throw Failure(ExitCode::bad_data,
                   fmt::format("{}: cannot be read: {}", path, std::generic_category().message(error)));
+  if (!is_gzip(bytes()))
+    return;
+  try
+  {
+    read_ = unpack_gzip(bytes(), path);
+    unmap();
+  }
+  catch (...)
+  {
+    unmap();
+    throw;
+  }
 }
 
 InputFile::~InputFile()
 {
+  unmap();
+}
+
+void InputFile::unmap()
+{
   if (!mapped_.empty())
     munmap(const_cast<char*>(mapped_.data()), mapped_.size());
+  mapped_ = {};
 }
 
 std::string read_file(const std::string& path)

@@ -8,12 +8,12 @@
 namespace torqued
 {
 
-/// A file's bytes, mapped where that is possible; what has no size, such as a pipe, is read. A file that is mapped may
-/// grow, but whoever shortens it ends this process.
+/// A file's bytes, mapped where that is possible; a file without a size, such as a pipe, is read, and one that gzip has
+/// packed is unpacked. A file that is mapped may grow, but whoever shortens it ends this process.
 class InputFile
 {
 public:
-  /// Throws Failure, bad_data, if it cannot be read.
+  /// Throws Failure, bad_data, if it cannot be read or unpacked.
   explicit InputFile(const std::string& path);
   ~InputFile();
   InputFile(const InputFile&) = delete;
@@ -23,6 +23,8 @@ public:
   std::string_view bytes() const { return mapped_.empty() ? read_ : mapped_; }
 
 private:
+  void unmap();
+
   std::string_view mapped_;
   std::string read_;
 };

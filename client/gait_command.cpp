@@ -1,6 +1,7 @@
 #include "client/answer_table.h"
 #include "client/files.h"
 #include "client/gait.h"
+#include "client/robot_choice.h"
 #include "client/subcommands.h"
 
 #include <CLI/CLI.hpp>
@@ -24,7 +25,7 @@ constexpr double kDegree = std::numbers::pi / 180.0;
 // Options as given: lengths in m, times in s, angles in degrees.
 struct GaitCommand
 {
-  std::string out, robot = "ck";
+  std::string out, robot;
   std::optional<double> step_length, step_time, double_support, first_part, heel_strike, toe_off, hip_height, clearance,
       trunk_angle, standing;
   bool flat_footed = false, anyway = false;
@@ -76,18 +77,6 @@ Gait find_gait(const GaitCommand& command, const Robot& robot)
 // as the begin of the next.
 int write(const Gait& gait, const Robot& robot, double rate, OutputFile& file)
 {
-  const GaitOptions& o = gait.options();
-  file.write(fmt::format(
-      "# torquectl gait --robot {} --step-length {} --step-time {} --double-support {} --first-part "
-      "{} --heel-strike {:.6g} "
-      "--toe-off {:.6g} --hip-height {} --clearance {} --trunk-angle {:.6g} --standing {} --steps {} --rate {}{}\n"
-      "# Where contacts change, two rows show the same instant, 1 us apart: as the end of one phase "
-      "and the begin of the "
-      "next.\n",
-      robot.name, o.step_length, o.step_time, o.double_support, o.first_part, o.heel_strike / kDegree,
-      o.toe_off / kDegree, o.hip_height, o.clearance, o.trunk_angle / kDegree, o.standing, o.steps, rate,
-      o.flat_footed ? " --flat-footed" : ""));
-
   std::vector<std::string> names = robot.absolute_names;
   names.insert(names.end(), robot.base_names.begin(), robot.base_names.end());
   std::vector<std::string> header{"utime"};
@@ -96,7 +85,18 @@ int write(const Gait& gait, const Robot& robot, double rate, OutputFile& file)
       header.push_back(derivative + name);
   for (const char* column : {"contactL", "contactR", "leading", "load_transfer", "phase"})
     header.emplace_back(column);
-  file.write(csv_line(header));
+  file.write(csv_line(header) + robot_lines(robot.name, robot.model_id));
+  const GaitOptions& o = gait.options();
+  file.write(fmt::format(
+      "# torquectl gait --robot {} --step-length {} --step-time {} --double-support {} --first-part {} --heel-strike "
+      "{:.6g} --toe-off {:.6g} --hip-height {} --clearance {} --trunk-angle {:.6g} --standing {} --steps {} --rate "
+      "{}{}\n"
+      "# Where contacts change, two rows show the same instant, 1 us apart: as the end of one phase and the begin of "
+      "the "
+      "next.\n",
+      robot.name, o.step_length, o.step_time, o.double_support, o.first_part, o.heel_strike / kDegree,
+      o.toe_off / kDegree, o.hip_height, o.clearance, o.trunk_angle / kDegree, o.standing, o.steps, rate,
+      o.flat_footed ? " --flat-footed" : ""));
 
   int rows = 0;
   const auto row = [&](std::int64_t utime, double t, const GaitPhase& phase)
@@ -137,7 +137,7 @@ ExitCode run(const GaitCommand& command)
   if (!command.out.ends_with(".csv") && command.out != "-")
     throw Failure(ExitCode::usage,
                   fmt::format("-o: found \"{}\"; expected a name that ends in .csv, or -", command.out));
-  const Robot robot = load_robot(command.robot);
+  const Robot robot = require_robot(command.robot);
   const Gait gait = find_gait(command, robot);
   const GaitOptions& options = gait.options();
   double shortest = std::numeric_limits<double>::infinity();
@@ -180,7 +180,7 @@ Subcommand add_gait(CLI::App& torquectl)
   app->add_option("-o,--output", command->out, "where the walk goes, .csv; - is the standard output")
       ->type_name("OUT")
       ->required();
-  add_robot_option(*app, command->robot, "default: ck");
+  add_robot_option(*app, command->robot, "no default");
   const auto add = [&](const char* name, std::optional<double>& value, const char* what, const char* unit)
   {
     app->add_option(name, value, what)->type_name(unit);

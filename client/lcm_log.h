@@ -28,21 +28,23 @@ struct LogRecord
 class LogReader
 {
 public:
-  /// Whether bytes begin as a log does, whatever the file is called.
+  /// Whether bytes begin as a log does, or hold a whole record of one that was cut at its front; whatever the file is
+  /// called.
   static bool is_log(std::string_view bytes);
 
   /// The bytes must outlive the reader.
-  explicit LogReader(std::string_view bytes) : bytes_(bytes) {}
+  explicit LogReader(std::string_view bytes);
 
   /// The next whole record; nothing at the end.
   std::optional<LogRecord> next();
-  /// Bytes so far that belong to no whole record.
+  /// Bytes so far that belong to no whole record; those before the first record from the beginning.
   std::size_t skipped() const { return skipped_; }
+  /// Bytes before the first record of a log that begins in the middle of one.
+  std::size_t cut() const { return cut_; }
 
 private:
   std::string_view bytes_;
-  std::size_t at_ = 0;
-  std::size_t skipped_ = 0;
+  std::size_t cut_, at_ = cut_, skipped_ = cut_;
 };
 
 /// Writes a log. Throws Failure, failed, with the file's name and the reason.

@@ -75,7 +75,8 @@ LiveMotion::Sample* LiveMotion::find(std::int64_t stream_id, std::int64_t utime)
 void LiveMotion::hear(const torque_command_t& command, Clock::time_point now)
 {
   Sample* sample = find(command.stream_id, command.utime);
-  if (!sample || command.num_joints != robot_.num_joints())
+  if (!sample || command.model_id != robot_.model_id || command.num_joints != robot_.num_joints() ||
+      command.num_coordinates != robot_.num_coordinates())
     return;
   sample->answer = to_answer(command);
   sample->time = {1e-3 * command.compute_ns, microseconds(now - sample->heard)};

@@ -31,7 +31,7 @@ public:
 
   const Robot& robot() const { return robot_; }
 
-  /// Samples that make no sense for the robot are passed over.
+  /// Samples that make no sense for the robot, and commands for another one, are passed over.
   void hear(const desired_state_t& desired, Clock::time_point now);
   void hear(const torque_command_t& command, Clock::time_point now);
   void hear(const rejection_t& rejection);

@@ -1,5 +1,6 @@
 #include "client/measured.h"
 
+#include "client/column_names.h"
 #include "client/csv_lines.h"
 #include "client/failure.h"
 #include "client/lcm_log.h"
@@ -54,20 +55,19 @@ double number(const std::string& file, std::size_t line, const std::string& colu
 
 // those of the columns that the file has
 std::map<std::string, std::vector<double>> read_columns(std::string_view text, const std::string& file,
-                                                        const std::vector<std::string>& wanted)
+                                                        const std::vector<KnownColumn>& wanted)
 {
   CsvReader reader(text, file);
-  CsvLine line;
-  std::map<std::string, std::vector<double>> columns;
+  const ColumnNames names = read_column_names(reader, file, wanted);
   std::map<std::string, std::size_t> places;
-  if (!reader.next(line))
-    return columns;
-  for (const std::string& name : wanted)
-    if (const auto found = std::find(line.cells.begin(), line.cells.end(), name); found != line.cells.end())
-      places[name] = static_cast<std::size_t>(found - line.cells.begin());
+  for (const KnownColumn& column : wanted)
+    if (const auto found = names.places.find(column.name); found != names.places.end())
+      places.insert(*found);
+  std::map<std::string, std::vector<double>> columns;
+  CsvLine line;
   while (!places.empty() && reader.next(line))
     for (const auto& [name, place] : places)
-      columns[name].push_back(number(file, line.number, name, line.cells.at(place)));
+      columns[name].push_back(names.factors[place] * number(file, line.number, name, line.cells.at(place)));
   return columns;
 }
 
@@ -128,10 +128,12 @@ Measured read_measured(std::string_view bytes, const std::string& file, const Ro
 {
   if (LogReader::is_log(bytes))
     return {};
-  std::vector<std::string> wanted(kPlates.begin(), kPlates.end());
+  std::vector<KnownColumn> wanted;
+  for (const std::string name : kPlates)
+    wanted.push_back({name, name.starts_with('F') ? Quantity::force : Quantity::moment});
   for (const Actuator& actuator : robot.actuators)
     if (const std::string column = published_column(actuator.name); !column.empty())
-      wanted.push_back(column);
+      wanted.push_back({column, Quantity::moment});
   auto columns = read_columns(bytes, file, wanted);
 
   Measured measured;

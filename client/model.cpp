@@ -1,3 +1,4 @@
+#include "client/robot_choice.h"
 #include "client/subcommands.h"
 #include "robot/robot_files.h"
 #include "robot/strict_toml.h"
@@ -19,7 +20,7 @@ namespace
 
 struct Options
 {
-  std::string robot = "ck";
+  std::string robot;
   std::string toml_for; // a URDF's name
   bool list = false, toml = false, urdf = false;
 };
@@ -132,6 +133,7 @@ std::string actuator_details(const Actuator& actuator, const Units& units)
   if (actuator.stribeck != 0.0)
     add(actuator.stribeck_velocity, "at", units.speed);
   add(actuator.friction_offset, "friction offset", units.torque);
+  add(actuator.stick_velocity, "continuous below", units.speed);
   return text;
 }
 
@@ -195,7 +197,7 @@ ExitCode model(const Options& options)
     fmt::print("{}\n", fmt::join(shipped_robot_names(), "\n"));
     return ExitCode::done;
   }
-  const Robot robot = load_robot(options.robot);
+  const Robot robot = require_robot(options.robot);
   if (options.toml || options.urdf || !options.toml_for.empty())
   {
     if (!options.toml_for.empty())
@@ -225,7 +227,7 @@ Subcommand add_model(CLI::App& torquectl)
 {
   const auto options = std::make_shared<Options>();
   CLI::App* app = torquectl.add_subcommand("model", "say what a robot means: links, coordinates, actuators, feet");
-  add_robot_option(*app, options->robot, "default: ck");
+  add_robot_option(*app, options->robot, "no default");
   CLI::Option* list = app->add_flag("--list", options->list, "list the robots that ship");
   CLI::Option* toml =
       app->add_flag("--toml", options->toml, "print the robot's whole file: a start for a robot of one's own")

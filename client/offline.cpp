@@ -1,11 +1,13 @@
 #include "client/offline.h"
 
 #include "client/files.h"
+#include "client/robot_choice.h"
 #include "client/subcommands.h"
 
 #include <CLI/CLI.hpp>
 
 #include <fmt/format.h>
+#include <memory>
 
 namespace torqued
 {
@@ -17,10 +19,9 @@ void add_offline_options(CLI::App& subcommand, OfflineOptions& options, const st
       ->required();
   if (!out.empty())
     subcommand.add_option("-o,--output", options.out, out)->type_name("OUT")->required();
-  add_robot_option(subcommand, options.robot, "default: ck");
+  add_robot_option(subcommand, options.robot, kRobotOfFile);
   add_prefix_option(subcommand, options.prefix);
-  subcommand.add_flag("--differentiate", options.differentiate,
-                      "find the derivatives by a spline through the samples, six or more; CSV only");
+  add_differentiation_options(subcommand, options.differentiation);
 }
 
 void add_answer_options(CLI::App& subcommand, OfflineOptions& options)
@@ -34,15 +35,17 @@ OfflineInput read_offline_input(const OfflineOptions& options)
   if (!options.out.empty())
     require_other_file(options.file, options.out);
   Config config = options.config.empty() ? Config() : read_config(options.config);
-  if (!options.robot.empty())
-    config.robot = options.robot;
   set_flag("--method", set_method, config, options.method);
   set_flag("--prefix", set_prefix, config, options.prefix);
-  Robot robot = load_robot(config.robot);
+  const Channels channels(config.prefix);
+  const auto input = std::make_shared<const InputFile>(options.file);
+  const SaidRobot said = said_robot(options.robot, config.robot);
+  Robot robot = choose_robot(said, robots_named_by(input->bytes(), options.file, channels));
+  config.robot = said.name_or_path.empty() ? robot.name : said.name_or_path;
   check_fits(config, robot);
   DesiredMessages desired =
-      read_messages(options.file, coordinate_names(robot), options.differentiate, Channels(config.prefix));
-  for (const std::string& line : notes(desired, robot.name, robot.model_id))
+      read_messages(input, options.file, coordinate_names(robot), options.differentiation, channels);
+  for (const std::string& line : notes(desired))
     note(line);
   return {std::move(config), std::move(robot), std::move(desired)};
 }

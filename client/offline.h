@@ -21,10 +21,11 @@ struct OfflineOptions
 {
   std::string file, out, robot, config;
   std::optional<std::string> method, prefix;
-  bool differentiate = false;
+  Differentiation differentiation;
 };
 
-/// Adds FILE, --output, --robot, --prefix and --differentiate. out: what the output is; empty: there is none.
+/// Adds FILE, --output, --robot, --prefix, --differentiate and --lowpass. out: what the output is; empty: there is
+/// none.
 void add_offline_options(CLI::App& subcommand, OfflineOptions& options, const std::string& out);
 /// Adds --config and --method, for what depends on how double support is resolved.
 void add_answer_options(CLI::App& subcommand, OfflineOptions& options);

@@ -83,7 +83,7 @@ Outcome outcome_of(const Robot& robot, const std::vector<DesiredState>& states, 
     if (!found)
       continue;
     ++outcome.answered;
-    for (std::int32_t bit = 1; bit <= flag::projected; bit <<= 1)
+    for (std::int32_t bit = 1; bit <= flag::prior; bit <<= 1)
       if ((found->flags & bit) != 0)
         ++outcome.flagged[bit];
     outcome.peak = std::max(outcome.peak, found->torque.cwiseAbs().maxCoeff());

@@ -3,6 +3,7 @@
 #include "client/answer_table.h"
 #include "client/files.h"
 #include "client/offline.h"
+#include "client/robot_choice.h"
 #include "client/subcommands.h"
 
 #include <CLI/CLI.hpp>
@@ -214,7 +215,7 @@ ExitCode run(const OfflineOptions& options)
   const std::vector<Footholds> footholds = find_footholds(robot, desired, states);
   const bool base_given = states.front().base_given;
 
-  std::string text = csv_line(header(robot, base_given));
+  std::string text = csv_line(header(robot, base_given)) + robot_lines(robot.name, robot.model_id);
   Report report;
   for (std::size_t i = 0; i < states.size(); ++i)
   {
@@ -228,8 +229,7 @@ ExitCode run(const OfflineOptions& options)
   OutputFile out(options.out);
   out.write(text);
   out.close();
-  if (options.out != "-")
-    fmt::print("{}: {} samples\n{}", robot.name, states.size(), report.text(robot));
+  print_summary(options.out, fmt::format("{}: {} samples\n{}", robot.name, states.size(), report.text(robot)));
   return ExitCode::done;
 }
 
@@ -240,7 +240,7 @@ Subcommand add_project(CLI::App& torquectl)
   const auto options = std::make_shared<OfflineOptions>();
   CLI::App* app =
       torquectl.add_subcommand("project", "move a motion that nearly keeps its contacts onto them, and say how far");
-  add_offline_options(*app, *options, "a trajectory .csv, absolute coordinates; - for the terminal, without a report");
+  add_offline_options(*app, *options, "a trajectory .csv, absolute coordinates; - is the standard output");
   app->footer(
       "Feet in contact are put on the ground, soles level, each stance of a foot at one place: the mean of where it\n"
       "was; where the base follows from contact, the mean distance of both feet in each double support. Then rates "

@@ -2,24 +2,12 @@
 
 #include "client/failure.h"
 #include "client/lcm_log.h"
-#include "robot/printable.h"
+#include "client/old_messages.h"
 
-#include <algorithm>
 #include <fmt/format.h>
 
 namespace torqued
 {
-
-Robot shipped_robot(const model_info_t& model, const std::string& where)
-{
-  const auto shipped = shipped_robot_names();
-  if (std::find(shipped.begin(), shipped.end(), model.name) != shipped.end())
-    if (Robot robot = load_robot(model.name); robot.model_id == model.model_id)
-      return robot;
-  throw Failure(ExitCode::bad_data,
-                fmt::format("{}: robot {} (model_id {}) is none that ships; --robot FILE says what it is", where,
-                            printable(model.name), model.model_id));
-}
 
 Answer to_answer(const torque_command_t& command)
 {
@@ -37,22 +25,44 @@ Answer to_answer(const torque_command_t& command)
   answer.dynamics_residual = command.dynamics_residual;
   answer.contact_speed = command.contact_speed;
   answer.contact_residual = command.contact_residual;
+  answer.base_a = {command.base_a[0], command.base_a[1]};
+  answer.adjustment = command.adjustment;
+  answer.a = Eigen::Map<const Eigen::VectorXd>(command.a.data(), command.num_coordinates);
   answer.torque = Eigen::Map<const Eigen::VectorXd>(command.torque.data(), command.num_joints);
   return answer;
 }
 
-RecordedAnswers::RecordedAnswers(std::string_view log, const Channels& channels)
+void require_fit(const torque_command_t& command, int num_coordinates, int num_joints, const std::string& robot,
+                 const std::string& where)
 {
+  if (command.num_coordinates != num_coordinates || command.num_joints != num_joints)
+    throw Failure(ExitCode::bad_data,
+                  fmt::format("{}: was answered with {} accelerations and {} torques; expected {} and {}, those of {}",
+                              where, command.num_coordinates, command.num_joints, num_coordinates, num_joints, robot));
+}
+
+RecordedAnswers::RecordedAnswers(std::string_view log, const std::string& file, const Channels& channels,
+                                 std::int64_t model_id)
+{
+  std::map<std::int64_t, std::int64_t> strangers; // commands by their model_id
   LogReader reader(log);
   while (const auto record = reader.next())
   {
     torque_command_t command;
     rejection_t rejection;
-    if (record->channel == channels.command && decode(record->data, command))
-      answers_[{command.stream_id, command.utime}].push_back({std::move(command), record->timestamp});
+    if (record->channel == channels.command && (decode(record->data, command) || decode_old(record->data, command)))
+    {
+      if (command.model_id == model_id)
+        answers_[{command.stream_id, command.utime}].push_back({std::move(command), record->timestamp});
+      else
+        ++strangers[command.model_id];
+    }
     else if (record->channel == channels.rejected && decode(record->data, rejection))
       answers_[{rejection.stream_id, rejection.utime}].push_back({std::move(rejection), record->timestamp});
   }
+  for (const auto& [stranger, count] : strangers)
+    notes_.push_back(fmt::format("{}: {} commands are for another robot (model_id {}, not {}) and are left out", file,
+                                 count, stranger, model_id));
 }
 
 std::optional<RecordedAnswer> RecordedAnswers::next(const desired_state_t& desired)
@@ -62,6 +72,8 @@ std::optional<RecordedAnswer> RecordedAnswers::next(const desired_state_t& desir
     return std::nullopt;
   RecordedAnswer answer = std::move(found->second.front());
   found->second.pop_front();
+  if (auto* command = std::get_if<torque_command_t>(&answer.message))
+    complete(*command, desired);
   return answer;
 }
 

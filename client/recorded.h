@@ -11,17 +11,19 @@
 #include <string_view>
 #include <utility>
 #include <variant>
+#include <vector>
 
 namespace torqued
 {
 
-/// The robot that a daemon computed: the one that ships with that name and model_id.
-///
-/// where: what holds the model, for complaints. Throws Failure, bad_data, if none is it.
-Robot shipped_robot(const model_info_t& model, const std::string& where);
-
-/// A command as the daemon had it. Requires: as many torques as the robot has actuators.
+/// A command as the daemon had it. Requires: as many torques as the robot has actuators, and accelerations as it has
+/// coordinates.
 Answer to_answer(const torque_command_t& command);
+
+/// Throws Failure, bad_data, unless a command is one of this robot: as many accelerations as coordinates, and torques
+/// as joints. where: of its desired state, for complaints.
+void require_fit(const torque_command_t& command, int num_coordinates, int num_joints, const std::string& robot,
+                 const std::string& where);
 
 /// One answer, and when the logger heard it, µs by its clock.
 struct RecordedAnswer
@@ -30,18 +32,23 @@ struct RecordedAnswer
   std::int64_t timestamp;
 };
 
-/// A log's commands and rejections, by stream_id and utime of the desired state that they answer.
+/// A log's commands for one robot, and its rejections, by stream_id and utime of the desired state that they answer.
+/// Commands may be old ones, old_messages.h.
 class RecordedAnswers
 {
 public:
-  RecordedAnswers(std::string_view log, const Channels& channels);
+  /// file: the log's name. model_id: of the robot.
+  RecordedAnswers(std::string_view log, const std::string& file, const Channels& channels, std::int64_t model_id);
 
   bool empty() const { return answers_.empty(); }
+  /// What a user should know: commands for another robot, which are passed over. One line each.
+  const std::vector<std::string>& notes() const { return notes_; }
   /// Takes the next answer to this desired state, in the log's order: one that was repeated has several.
   std::optional<RecordedAnswer> next(const desired_state_t& desired);
 
 private:
   std::map<std::pair<std::int64_t, std::int64_t>, std::deque<RecordedAnswer>> answers_;
+  std::vector<std::string> notes_;
 };
 
 } // namespace torqued

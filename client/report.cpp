@@ -4,6 +4,7 @@
 #include "client/offline.h"
 #include "client/recorded.h"
 #include "client/report_page.h"
+#include "client/robot_choice.h"
 #include "client/subcommands.h"
 #include "client/tally.h"
 #include "robot/printable.h"
@@ -32,13 +33,14 @@ struct Options
   std::vector<std::string> files, methods;
   std::string out, robot, config, measured;
   std::optional<std::string> prefix, from, to;
-  bool differentiate = false;
+  Differentiation differentiation;
 };
 
 // One file: its bytes, and how they were read.
 struct Input
 {
   std::string file, bytes;
+  NamedRobots named;
   Trajectory trajectory;
 };
 
@@ -49,25 +51,20 @@ struct Samples
   std::vector<std::size_t> places;
 };
 
-// The robot that a log was recorded with, if it is one that ships.
-Robot recorded_robot(const Input& input, const Channels& channels)
+// The robot of all inputs, for drawing: a page shows one. What is said is loaded once, so that its notes come once.
+Robot find_robot(const std::vector<Input>& inputs, const SaidRobot& said)
 {
-  LogReader log(input.bytes);
-  model_info_t model;
-  while (const auto record = log.next())
-    if (record->channel == channels.model && decode(record->data, model))
-      return shipped_robot(model, input.file);
-  throw Failure(ExitCode::bad_data,
-                fmt::format("{}: holds no model_info_t; --robot says which robot it was", input.file));
-}
-
-// The robot that was asked for; else the first log's; else, of CSVs, the configuration's.
-Robot find_robot(const std::vector<Input>& inputs, const Config& config, const Options& options,
-                 const Channels& channels)
-{
-  const auto log =
-      std::find_if(inputs.begin(), inputs.end(), [](const Input& input) { return LogReader::is_log(input.bytes); });
-  return options.robot.empty() && log != inputs.end() ? recorded_robot(*log, channels) : load_robot(config.robot);
+  const Robot robot = choose_drawn_robot(said, inputs.front().named);
+  for (const Input& input : inputs)
+    if (!said.name_or_path.empty())
+      require_same_robot(input.named, robot.name, robot.model_id, said.by);
+    else if (const Robot other = choose_drawn_robot(said, input.named); other.model_id != robot.model_id)
+      throw Failure(ExitCode::bad_data,
+                    fmt::format("{} is of {} (model_id {}) and {} of {} (model_id {}); a page shows one robot: make a "
+                                "page of each",
+                                inputs.front().file, robot.name, robot.model_id, input.file, other.name,
+                                other.model_id));
+  return robot;
 }
 
 // Of several streams the one with the most samples: their clocks have nothing to do with one another.
@@ -140,7 +137,9 @@ Samples choose_samples(const Robot& robot, const Trajectory& trajectory, double 
 std::optional<ReportRun> recorded_run(const Input& input, const Samples& samples, const Robot& robot,
                                       const Channels& channels)
 {
-  RecordedAnswers answers(input.bytes, channels);
+  RecordedAnswers answers(input.bytes, input.file, channels, robot.model_id);
+  for (const std::string& line : answers.notes())
+    note(line);
   if (answers.empty())
     return std::nullopt;
   ReportRun run;
@@ -158,10 +157,7 @@ std::optional<ReportRun> recorded_run(const Input& input, const Samples& samples
       run.times.push_back({NAN, NAN});
       continue;
     }
-    if (command->num_joints != robot.num_joints())
-      throw Failure(ExitCode::bad_data,
-                    fmt::format("{}: was answered with {} torques; expected {}, those of {}", input.trajectory.place(i),
-                                command->num_joints, robot.num_joints(), robot.name));
+    require_fit(*command, robot.num_coordinates(), robot.num_joints(), robot.name, input.trajectory.place(i));
     run.answers.emplace_back(to_answer(*command));
     run.times.push_back(
         {1e-3 * command->compute_ns, static_cast<double>(answer->timestamp - input.trajectory.heard[i])});
@@ -255,8 +251,12 @@ Measured find_measured(const Input& input, const Samples& samples, const Robot& 
                                                             decode_all(robot, encode_all(input.trajectory))),
                                               Rows(samples.places.begin(), samples.places.end()));
   const std::string bytes = read_file(options.measured);
+  require_same_robot(robots_named_by(bytes, options.measured, channels), robot.name, robot.model_id,
+                     fmt::format("{} is of", input.file));
   const Trajectory trajectory =
-      parse_trajectory(bytes, options.measured, coordinate_names(robot), options.differentiate, channels);
+      parse_trajectory(bytes, options.measured, coordinate_names(robot), options.differentiation, channels);
+  for (const std::string& line : notes(trajectory))
+    note(line);
   const std::vector<DesiredState> states = decode_all(robot, encode_all(trajectory));
   const Measured measured = read_measured(bytes, options.measured, robot, states);
   if (measured.channels.empty())
@@ -277,13 +277,16 @@ double seconds(const std::optional<std::string>& text, double otherwise)
   return text ? std::stod(*text) : otherwise;
 }
 
+std::ptrdiff_t num_answered(const ReportRun& run)
+{
+  return std::count_if(run.answers.begin(), run.answers.end(),
+                       [](const std::optional<Answer>& answer) { return answer.has_value(); });
+}
+
 // "constrained: 445 of 447 samples answered, INFEASIBLE 2; rms from the plates 42.8 N forward, 42.0 N upward"
 std::string summary(const ReportMotion& motion, const ReportRun& run)
 {
-  std::string line = fmt::format("{}: {} of {} samples answered", run.name,
-                                 std::count_if(run.answers.begin(), run.answers.end(),
-                                               [](const std::optional<Answer>& answer) { return answer.has_value(); }),
-                                 run.answers.size());
+  std::string line = fmt::format("{}: {} of {} samples answered", run.name, num_answered(run), run.answers.size());
   for (const auto& [reason, count] : run.unanswered)
     line += fmt::format(", {} {}", reason, count);
   const std::vector<bool> all(run.answers.size(), true);
@@ -302,8 +305,6 @@ ExitCode report(const Options& options)
   for (const std::string& file : options.files)
     require_other_file(file, options.out);
   Config config = options.config.empty() ? Config() : read_config(options.config);
-  if (!options.robot.empty())
-    config.robot = options.robot;
   set_flag("--prefix", set_prefix, config, options.prefix);
   std::vector<Method> methods;
   for (const std::string& name : options.methods)
@@ -316,27 +317,34 @@ ExitCode report(const Options& options)
 
   std::vector<Input> inputs;
   for (const std::string& file : options.files)
-    inputs.push_back({file, read_file(file), {}});
-  const Robot robot = find_robot(inputs, config, options, channels);
+  {
+    std::string bytes = read_file(file);
+    NamedRobots named = robots_named_by(bytes, file, channels);
+    inputs.push_back({file, std::move(bytes), std::move(named), {}});
+  }
+  const SaidRobot said = said_robot(options.robot, config.robot);
+  const Robot robot = find_robot(inputs, said);
   for (Input& input : inputs)
     input.trajectory =
-        parse_trajectory(input.bytes, input.file, coordinate_names(robot), options.differentiate, channels);
+        parse_trajectory(input.bytes, input.file, coordinate_names(robot), options.differentiation, channels);
   check_fits(config, robot);
 
   flush_denormals();
   std::vector<ReportMotion> motions;
   for (const Input& input : inputs)
   {
-    for (const std::string& line : notes(input.trajectory, robot.name, robot.model_id))
+    for (const std::string& line : notes(input.trajectory))
       note(line);
     const Samples samples = choose_samples(robot, input.trajectory, from, to);
     ReportMotion& motion = motions.emplace_back();
     motion.source = std::filesystem::path(input.trajectory.file).filename().string();
     motion.states = samples.states;
-    motion.measured = find_measured(input, samples, robot, options, channels);
     if (input.trajectory.from_log)
       if (std::optional<ReportRun> run = recorded_run(input, samples, robot, channels))
         motion.runs.push_back(std::move(*run));
+    if (said.name_or_path.empty() && (motion.runs.empty() || !methods.empty() || !options.measured.empty()))
+      choose_robot(said, input.named); // refuses what can only be drawn: all that follows computes with masses
+    motion.measured = find_measured(input, samples, robot, options, channels);
     for (const Method method : methods)
       motion.runs.push_back(evaluated_run(robot, config.answers, motion.states, method));
     if (motion.runs.empty())
@@ -348,10 +356,18 @@ ExitCode report(const Options& options)
   OutputFile out(options.out);
   out.write(report_page(fmt::format("{} – {}", motions.front().source, robot.name), report_document(robot, motions)));
   out.close();
-  if (options.out != "-")
-    for (const ReportMotion& motion : motions)
-      for (const ReportRun& run : motion.runs)
-        fmt::print("{}: {}\n", motion.source, summary(motion, run));
+  std::string summaries;
+  bool answered = false;
+  for (const ReportMotion& motion : motions)
+    for (const ReportRun& run : motion.runs)
+    {
+      summaries += fmt::format("{}: {}\n", motion.source, summary(motion, run));
+      answered = answered || num_answered(run) > 0;
+    }
+  print_summary(options.out, summaries);
+  if (!answered)
+    throw Failure(ExitCode::bad_data, fmt::format("no sample was answered; {}: {}", motions.front().source,
+                                                  summary(motions.front(), motions.front().runs.front())));
   return ExitCode::done;
 }
 
@@ -368,7 +384,7 @@ Subcommand add_report(CLI::App& torquectl)
   app->add_option("-o,--output", options->out, "the page, one file that needs no network; - for the standard output")
       ->type_name("PAGE.html")
       ->required();
-  add_robot_option(*app, options->robot, "default: the one that the log says; of a CSV: ck");
+  add_robot_option(*app, options->robot, kRobotOfFile);
   app->add_option("--method", options->methods,
                   fmt::format("answer anew by this method, whatever the samples ask for; once for each method to "
                               "compare: {}",
@@ -384,12 +400,14 @@ Subcommand add_report(CLI::App& torquectl)
   app->add_option("--from", options->from, "begin there, s since the first sample")->type_name("S")->check(check_time);
   app->add_option("--to", options->to, "end there, s since the first sample")->type_name("S")->check(check_time);
   add_prefix_option(*app, options->prefix);
-  app->add_flag("--differentiate", options->differentiate,
-                "find the derivatives by a spline through the samples, six or more; CSV only");
+  add_differentiation_options(*app, options->differentiation);
   app->footer(
       "Of a log the page shows what the daemon answered; of a CSV, or with --method, what it would answer, as eval "
       "does.\n"
-      "Several files, or methods, are laid over one another. Columns of what was measured: torquectl compare --help.\n"
+      "Several files of one robot, or methods, are laid over one another. A robot that does not ship is drawn as the "
+      "log\n"
+      "says; only --method and --measured need its file (--robot). The exit code is 65 if no sample was answered. "
+      "Columns of what was measured: torquectl compare --help.\n"
       "A motion of more than 36000 samples is thinned for drawing: no peak is lost, figures are those of all samples,\n"
       "and --from and --to choose a stretch to be shown in full.\n\n"
       "Example, in the source directory:\n"

@@ -313,7 +313,7 @@ Json figures(const Robot& robot, const ReportMotion& motion, const ReportRun& ru
     flags[flag_names(bit).front()] = count;
   return {{"answered", outcome.answered}, {"unanswered", run.unanswered},
           {"peak", outcome.peak},         {"rms", outcome.rms()},
-          {"effort", outcome.effort},     {"work", outcome.work},
+          {"effort", outcome.effort},     {"work", limit(outcome.work)},
           {"distance", distance},         {"double_support", outcome.double_support},
           {"held", outcome.held},         {"jumps", std::move(jumps)},
           {"flags", std::move(flags)},    {"measured", agreements(motion, run)}};

@@ -1,5 +1,6 @@
 #include "client/bus.h"
 #include "client/files.h"
+#include "client/robot_choice.h"
 #include "client/subcommands.h"
 #include "client/tally.h"
 #include "client/trajectory.h"
@@ -38,7 +39,8 @@ struct Options
   std::string file, lcm_url;
   std::optional<std::string> method, prefix;
   double speed = 1.0, rate = 0.0;
-  bool loop = false, differentiate = false, json = false;
+  bool loop = false, json = false;
+  Differentiation differentiation;
 };
 
 std::int64_t microseconds(Clock::time_point time)
@@ -46,12 +48,34 @@ std::int64_t microseconds(Clock::time_point time)
   return std::chrono::duration_cast<std::chrono::microseconds>(time.time_since_epoch()).count();
 }
 
-// When each desired state is due, and when the next round of them begins; s since the first.
+// When each desired state is due, and when the next round of them begins; s since the first. One that is due a small
+// share of a step after the one before, which a daemon that answers the newest would pass over then, waits until that
+// is answered, but for no longer than its patience.
 struct Schedule
 {
   std::vector<double> due;
+  std::vector<double> patience; // s; 0: is sent when it is due
   double round = 0.0;
 };
+
+// Patience of desired states less than a tenth of a median step after the one before: a quarter of the time to the
+// next.
+std::vector<double> find_patience(const std::vector<double>& due, double round)
+{
+  std::vector<double> steps;
+  for (std::size_t i = 1; i < due.size(); ++i)
+    steps.push_back(due[i] - due[i - 1]);
+  std::vector<double> patience(due.size(), 0.0);
+  if (steps.empty())
+    return patience;
+  std::vector<double> sorted = steps;
+  const auto median = sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2);
+  std::nth_element(sorted.begin(), median, sorted.end());
+  for (std::size_t i = 1; i < due.size(); ++i)
+    if (steps[i - 1] < 0.1 * *median)
+      patience[i] = 0.25 * ((i + 1 < due.size() ? due[i + 1] : round) - due[i]);
+  return patience;
+}
 
 Schedule make_schedule(const Trajectory& trajectory, const Options& options)
 {
@@ -84,6 +108,7 @@ Schedule make_schedule(const Trajectory& trajectory, const Options& options)
   else if (options.loop)
     throw Failure(ExitCode::usage,
                   fmt::format("--loop needs --rate: {} holds only one desired state", trajectory.file));
+  schedule.patience = find_patience(schedule.due, schedule.round);
   return schedule;
 }
 
@@ -130,6 +155,7 @@ public:
   }
 
   bool all_settled() const { return outstanding_.empty(); }
+  bool settled(std::int64_t utime) const { return !outstanding_.contains(utime); }
   std::int64_t num_sent() const { return sent_; }
   std::int64_t num_lost() const { return lost_; }
   const Tally& tally() const { return tally_; }
@@ -239,6 +265,10 @@ void send_all(Bus& bus, const Channels& channels, const Schedule& schedule, bool
         bus.wait(due);
         progress.show(static_cast<double>(i) / static_cast<double>(schedule.due.size()), ledger);
       } while (!bus.stopped() && Clock::now() < due);
+      const auto patience = Clock::now() + std::chrono::duration_cast<Clock::duration>(
+                                               std::chrono::duration<double>(std::min(1.0, schedule.patience[i])));
+      while (!bus.stopped() && !ledger.settled(utime) && Clock::now() < patience)
+        bus.wait(patience);
       if (bus.stopped())
         return;
 
@@ -264,9 +294,10 @@ ExitCode send(const Options& options)
     throw Failure(ExitCode::failed, "stopped before anything was sent");
   const model_info_t robot = bus.model();
 
+  require_same_robot(robots_named_by(bytes, options.file, channels), robot.name, robot.model_id, "torqued computes");
   Trajectory trajectory =
-      parse_trajectory(bytes, options.file, coordinate_names(robot), options.differentiate, channels);
-  for (const std::string& line : notes(trajectory, printable(robot.name), robot.model_id))
+      parse_trajectory(bytes, options.file, coordinate_names(robot), options.differentiation, channels);
+  for (const std::string& line : notes(trajectory))
     note(line);
   const Schedule schedule = make_schedule(trajectory, options);
 
@@ -294,6 +325,7 @@ ExitCode send(const Options& options)
     print_json(printable(robot.name), ledger);
   else
     print_text(printable(robot.name), ledger);
+  ledger.tally().require_answers(options.file);
   return ledger.tally().answered == ledger.num_sent() ? ExitCode::done : ExitCode::failed;
 }
 
@@ -315,8 +347,7 @@ Subcommand add_send(CLI::App& torquectl)
       ->check(check_positive)
       ->excludes(speed);
   app->add_flag("--loop", options->loop, "begin again after the end, until Ctrl-C");
-  app->add_flag("--differentiate", options->differentiate,
-                "find the derivatives by a spline through the samples, six or more; CSV only");
+  add_differentiation_options(*app, options->differentiation);
   add_method_option(*app, options->method, "the method that all desired states ask for");
   add_bus_option(*app, options->lcm_url);
   add_prefix_option(*app, options->prefix);
@@ -324,7 +355,7 @@ Subcommand add_send(CLI::App& torquectl)
   app->footer(
       "Coordinate names and model_id are those of the daemon that runs. A desired state without an answer within 1 s\n"
       "counts as lost: it was superseded by a newer one, or did not arrive. Exit code 1 if any was lost or "
-      "rejected.\n\n"
+      "rejected, 65 if none was answered\nbut some were rejected, or if FILE names another robot.\n\n"
       "Example, in the source directory, on a bus of this machine alone:\n"
       "  export LCM_DEFAULT_URL='udpm://239.255.76.67:7667?ttl=0'\n"
       "  torqued --robot human-subject01 --every-sample & sleep 1\n"

@@ -26,35 +26,40 @@ Spline::KnotVectorType not_a_knot(const Eigen::VectorXd& times)
   return knots;
 }
 
+// Of each order up to one, the derivative of the j-th B-spline at the i-th instant: B(i, j).
+std::array<Eigen::SparseMatrix<double>, 3> bases(const Eigen::VectorXd& instants, const Spline::KnotVectorType& knots,
+                                                 Eigen::Index order)
+{
+  std::array<Eigen::SparseMatrix<double>, 3> B;
+  std::array<std::vector<Eigen::Triplet<double>>, 3> entries;
+  for (Eigen::Index i = 0; i < instants.size(); ++i)
+  {
+    const Eigen::Index first = Spline::Span(instants(i), kDegree, knots) - kDegree;
+    const auto basis = Spline::BasisFunctionDerivatives(instants(i), order, kDegree, knots);
+    for (Eigen::Index k = 0; k <= order; ++k)
+      for (Eigen::Index j = 0; j <= kDegree; ++j)
+        entries[static_cast<std::size_t>(k)].emplace_back(i, first + j, basis(k, j));
+  }
+  for (std::size_t k = 0; k <= static_cast<std::size_t>(order); ++k)
+  {
+    B[k].resize(instants.size(), knots.size() - kDegree - 1);
+    B[k].setFromTriplets(entries[k].begin(), entries[k].end());
+  }
+  return B;
+}
+
 } // namespace
 
-Derivatives spline_derivatives(const Eigen::VectorXd& times, const Eigen::MatrixXd& values)
+SampledMotion spline(const Eigen::VectorXd& times, const Eigen::MatrixXd& samples, const Eigen::VectorXd& instants)
 {
-  const Eigen::Index n = times.size();
-  assert(n >= kFewestSplineSamples && values.rows() == n);
+  assert(times.size() >= kFewestSplineSamples && samples.rows() == times.size());
   const Spline::KnotVectorType knots = not_a_knot(times);
 
-  // B(i, j) and its derivatives: value, velocity and acceleration of the j-th B-spline at the i-th sample
-  std::array<std::vector<Eigen::Triplet<double>>, 3> entries;
-  for (Eigen::Index i = 0; i < n; ++i)
-  {
-    const Eigen::Index first = Spline::Span(times(i), kDegree, knots) - kDegree;
-    const auto basis = Spline::BasisFunctionDerivatives(times(i), 2, kDegree, knots);
-    for (Eigen::Index order = 0; order < 3; ++order)
-      for (Eigen::Index j = 0; j <= kDegree; ++j)
-        entries[static_cast<std::size_t>(order)].emplace_back(i, first + j, basis(order, j));
-  }
-  std::array<Eigen::SparseMatrix<double>, 3> B;
-  for (std::size_t order = 0; order < 3; ++order)
-  {
-    B[order].resize(n, n);
-    B[order].setFromTriplets(entries[order].begin(), entries[order].end());
-  }
-
   // B c = x
-  const Eigen::SparseLU<Eigen::SparseMatrix<double>> B_lu(B[0]);
-  const Eigen::MatrixXd c = B_lu.solve(values);
-  return {B[1] * c, B[2] * c};
+  const Eigen::SparseLU<Eigen::SparseMatrix<double>> B_lu(bases(times, knots, 0)[0]);
+  const Eigen::MatrixXd c = B_lu.solve(samples);
+  const auto B = bases(instants, knots, 2);
+  return {B[0] * c, B[1] * c, B[2] * c};
 }
 
 } // namespace torqued

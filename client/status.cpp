@@ -57,6 +57,7 @@ Json describe(const std::vector<Daemon>& daemons)
                     {"late", s.late},
                     {"conflicts", s.conflicts},
                     {"dropped_logs", s.dropped_logs},
+                    {"dropped_upper_bound", s.dropped_upper_bound},
                     {"last_reason", s.last_reason},
                     {"input_age_us", s.input_age_us},
                     {"latency_us",

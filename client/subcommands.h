@@ -17,6 +17,8 @@ class App;
 namespace torqued
 {
 
+struct Differentiation;
+
 /// A subcommand that has been added to the app: its options are parsed into what `run` works on.
 struct Subcommand
 {
@@ -39,6 +41,8 @@ Subcommand add_model(CLI::App& torquectl);
 Subcommand add_status(CLI::App& torquectl);
 Subcommand add_doctor(CLI::App& torquectl);
 
+/// What happens without --robot where a motion is read.
+inline constexpr const char* kRobotOfFile = "default: the one that the file names";
 /// Adds an option --robot that says which robots ship, and what happens without it.
 void add_robot_option(CLI::App& subcommand, std::string& robot, const std::string& without);
 /// The methods' names, one after another.
@@ -47,6 +51,8 @@ std::string method_names();
 void add_method_option(CLI::App& subcommand, std::optional<std::string>& method, const std::string& what);
 /// Adds an option --prefix.
 void add_prefix_option(CLI::App& subcommand, std::optional<std::string>& prefix);
+/// Adds options --differentiate and --lowpass.
+void add_differentiation_options(CLI::App& subcommand, Differentiation& differentiation);
 /// Adds an option --lcm-url.
 void add_bus_option(CLI::App& subcommand, std::string& lcm_url);
 
@@ -60,5 +66,8 @@ void set_flag(std::string_view flag, void (*set)(Config&, const std::string&), C
 
 /// Tells the user, in one line on stderr, something that does not end the program.
 void note(std::string_view line);
+
+/// Prints what a subcommand says at its end: on stdout, or on stderr if its output, "-", goes to stdout.
+void print_summary(const std::string& output, std::string_view text);
 
 } // namespace torqued

@@ -1,6 +1,7 @@
 #include "client/support_course.h"
 
 #include <algorithm>
+#include <functional>
 #include <optional>
 
 namespace torqued
@@ -51,6 +52,12 @@ Side leading_foot(const std::vector<Contacts>& contacts, std::size_t begin, std:
 
 } // namespace
 
+bool stands_throughout(const std::vector<Contacts>& contacts)
+{
+  return !contacts.empty() && double_support(contacts.front()) &&
+         end_of_stretch(contacts, 0, std::equal_to<Contacts>()) == contacts.size();
+}
+
 std::vector<Support> follow_contacts(const std::vector<std::int64_t>& utime, const std::vector<Contacts>& contacts)
 {
   const std::size_t size = contacts.size();
@@ -65,13 +72,9 @@ std::vector<Support> follow_contacts(const std::vector<std::int64_t>& utime, con
     return duration > 0 ? static_cast<double>(utime[sample] - utime[begin]) / static_cast<double>(duration) : 0.0;
   };
 
-  const auto same_pair = [](const Contacts& a, const Contacts& b)
-  {
-    return a == b;
-  };
   for (std::size_t begin = 0, end; begin < size; begin = end)
   {
-    end = end_of_stretch(contacts, begin, same_pair);
+    end = end_of_stretch(contacts, begin, std::equal_to<Contacts>());
     for (std::size_t sample = begin; sample < end; ++sample)
       supports[sample].phase = share(begin, end, sample);
   }
@@ -95,6 +98,9 @@ std::vector<Support> follow_contacts(const std::vector<std::int64_t>& utime, con
       supports[sample].load_transfer = both ? share(begin, end, sample) : 0.0;
     }
   }
+  if (stands_throughout(contacts))
+    for (Support& support : supports)
+      support.load_transfer = support.phase = 0.5;
   return supports;
 }
 

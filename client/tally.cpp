@@ -1,6 +1,7 @@
 #include "client/tally.h"
 
 #include "client/answer_table.h"
+#include "client/failure.h"
 #include "torque/refusal.h"
 
 #include <fmt/format.h>
@@ -28,11 +29,13 @@ void Tally::answer(std::int32_t flags)
   ++flagged[flags];
 }
 
-void Tally::reject(std::int32_t reason, const std::string& first)
+void Tally::reject(std::int32_t reason, const std::string& said)
 {
+  if (rejected.empty())
+    first = said;
   Rejected& so_far = rejected[reason];
   if (++so_far.count == 1)
-    so_far.first = first;
+    so_far.first = said;
 }
 
 std::int64_t Tally::num_rejected() const
@@ -76,6 +79,14 @@ std::string Tally::first_of_each() const
   for (const auto& [reason, so_far] : rejected)
     lines += fmt::format("  {}, first: {}\n", reason_name(reason), so_far.first);
   return lines;
+}
+
+void Tally::require_answers(const std::string& file) const
+{
+  if (answered > 0 || rejected.empty())
+    return;
+  throw Failure(ExitCode::bad_data,
+                fmt::format("{}: no sample was answered: {}; the first: {}", file, rejections(), first));
 }
 
 std::string reason_name(std::int32_t reason)

@@ -20,10 +20,11 @@ struct Tally
   std::int64_t answered = 0;
   std::map<std::int32_t, Rejected> rejected;    ///< key: reason, as in rejection_t
   std::map<std::int32_t, std::int64_t> flagged; ///< answers; key: all flags of an answer
+  std::string first;                            ///< what was said about the first rejection of all
 
   void answer(std::int32_t flags);
-  /// first: kept if it is the first of its reason.
-  void reject(std::int32_t reason, const std::string& first);
+  /// said: kept if it is the first of its reason.
+  void reject(std::int32_t reason, const std::string& said);
   std::int64_t num_rejected() const;
   /// How many answers carry each flag, by its name; flags that none carries are left out.
   std::map<std::string, std::int64_t> flags() const;
@@ -34,6 +35,9 @@ struct Tally
   std::string flag_line() const;
   /// One line for each reason: "UNDER_ACTUATED, first: …".
   std::string first_of_each() const;
+
+  /// Throws Failure, bad_data, if there were samples and none was answered: how many were rejected, and why the first.
+  void require_answers(const std::string& file) const;
 };
 
 /// A reason's name; "UNKNOWN" for any other number.

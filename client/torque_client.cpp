@@ -127,7 +127,7 @@ desired_state_t TorqueClient::standing() const
 {
   desired_state_t desired{};
   desired.left_contact = desired.right_contact = desired_state_t::SOLE;
-  desired.load_transfer = 0.5;
+  desired.load_transfer = desired.phase = 0.5;
   desired.num_coordinates = model_->num_coordinates;
   desired.q.resize(static_cast<std::size_t>(model_->num_coordinates));
   desired.v = desired.a = desired.q;

@@ -58,8 +58,12 @@ public:
   /// What was said last; nothing as long as nothing was heard.
   const std::optional<model_info_t>& model() const { return model_; }
 
-  /// A desired state of the right size, to be filled in: the robot stands still and upright on both soles, half of the
-  /// load on each, all link angles 0, base FROM_CONTACT. Requires: model().
+  /// A desired state of the right size, to be filled in: the robot stands still and upright on both soles, all link
+  /// angles 0, base FROM_CONTACT, load_transfer and phase 0.5. Requires: model().
+  ///
+  /// So each foot carries half of the weight by every method that shares the load, and by the daemon's default,
+  /// CONSTRAINED, as long as the posture is symmetric. In another posture CONSTRAINED loads the feet unequally, as the
+  /// least torques have it; LINEAR_TRANSITION and ZMP_TRANSITION keep the halves.
   desired_state_t standing() const;
 
   /// Publishes a desired state and waits for what becomes of it, at the longest for `patience`; then it is silence.

@@ -1,5 +1,6 @@
 #include "client/torquectl.h"
 
+#include "client/differentiation.h"
 #include "client/files.h"
 #include "client/subcommands.h"
 #include "robot/strict_toml.h"
@@ -125,6 +126,20 @@ void add_prefix_option(CLI::App& subcommand, std::optional<std::string>& prefix)
   subcommand.add_option("--prefix", prefix, "stands before each channel's name")->type_name("TEXT");
 }
 
+void add_differentiation_options(CLI::App& subcommand, Differentiation& differentiation)
+{
+  CLI::Option* wanted =
+      subcommand.add_flag("--differentiate", differentiation.wanted,
+                          "find the derivatives by a quintic spline through the samples, six or more; CSV only");
+  subcommand
+      .add_option("--lowpass", differentiation.lowpass,
+                  "before that, low-pass all coordinates: Butterworth, second order, forward and backward (no lag); HZ "
+                  "is the cut-off of one pass, 6 to 10 for measured walks")
+      ->type_name("HZ")
+      ->check(check_positive)
+      ->needs(wanted);
+}
+
 void add_bus_option(CLI::App& subcommand, std::string& lcm_url)
 {
   subcommand.add_option("--lcm-url", lcm_url, "the bus; default: LCM_DEFAULT_URL, or LCM's own default")
@@ -173,6 +188,11 @@ void set_flag(std::string_view flag, void (*set)(Config&, const std::string&), C
 void note(std::string_view line)
 {
   fmt::print(stderr, "torquectl: note: {}\n", line);
+}
+
+void print_summary(const std::string& output, std::string_view text)
+{
+  fmt::print(output == "-" ? stderr : stdout, "{}", text);
 }
 
 } // namespace torqued

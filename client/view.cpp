@@ -1,6 +1,6 @@
 #include "client/bus.h"
 #include "client/live_motion.h"
-#include "client/recorded.h"
+#include "client/robot_choice.h"
 #include "client/subcommands.h"
 #include "robot/printable.h"
 
@@ -37,11 +37,7 @@ public:
 
   void set_model(const model_info_t& model)
   {
-    Robot robot = options_.robot.empty() ? shipped_robot(model, "torqued") : load_robot(options_.robot);
-    if (robot.model_id != model.model_id)
-      throw Failure(ExitCode::bad_data, fmt::format("--robot: torqued computes {} (model_id {}), not this {} (model_id "
-                                                    "{})",
-                                                    printable(model.name), model.model_id, robot.name, robot.model_id));
+    Robot robot = choose_drawn_robot(said_robot(options_.robot), robot_named_by(model));
     const std::lock_guard lock(mutex_);
     motion_ = std::make_unique<LiveMotion>(std::move(robot), options_.seconds);
     model_id_ = model.model_id;
@@ -183,7 +179,7 @@ Subcommand add_view(CLI::App& torquectl)
       ->type_name("S")
       ->check(CLI::Range(0.5, 120.0))
       ->capture_default_str();
-  add_robot_option(*app, options->robot, "default: the one that torqued says");
+  add_robot_option(*app, options->robot, "default: the one that torqued computes");
   add_prefix_option(*app, options->prefix);
   add_bus_option(*app, options->lcm_url);
   app->footer("The page is served to this machine alone.\n\n"

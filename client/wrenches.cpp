@@ -1,6 +1,7 @@
 #include "client/answer_table.h"
 #include "client/files.h"
 #include "client/offline.h"
+#include "client/robot_choice.h"
 #include "client/subcommands.h"
 #include "client/tally.h"
 #include "daemon/answer.h"
@@ -87,7 +88,7 @@ ExitCode wrenches(const OfflineOptions& options)
   const auto [config, robot, desired] = read_offline_input(options);
   const std::vector<std::string> names = columns(robot);
   OutputFile out(options.out);
-  out.write(csv_line(names));
+  out.write(csv_line(names) + robot_lines(robot.name, robot.model_id));
   StreamMemory memory;
   Tally tally;
   flush_denormals();
@@ -117,9 +118,10 @@ ExitCode wrenches(const OfflineOptions& options)
     }
   }
   out.close();
-  if (options.out != "-")
-    fmt::print("{}: {} of {} samples answered, {}\n{}{}", robot.name, tally.answered, desired.messages.size(),
-               tally.rejections(), tally.flag_line(), tally.first_of_each());
+  print_summary(options.out,
+                fmt::format("{}: {} of {} samples answered, {}\n{}{}", robot.name, tally.answered,
+                            desired.messages.size(), tally.rejections(), tally.flag_line(), tally.first_of_each()));
+  tally.require_answers(options.file);
   return ExitCode::done;
 }
 
@@ -130,14 +132,14 @@ Subcommand add_wrenches(CLI::App& torquectl)
   const auto options = std::make_shared<OfflineOptions>();
   CLI::App* app = torquectl.add_subcommand(
       "wrenches", "what each joint's bearings carry along a trajectory, by the recursion of Newton and Euler");
-  add_offline_options(*app, *options, "a .csv, one row per sample; - for the terminal");
+  add_offline_options(*app, *options, "a .csv, one row per sample; - is the standard output");
   add_answer_options(*app, *options);
   app->footer(
       "Each link but the root has x_, z_: where the joint to its parent is, of a rolling joint where the circles touch "
       "(m, world); fx_, fz_, m_: force and moment of the parent on the link there (N, N m; fy_: sideways, where "
       "something slides). tau_: the torques that the motion needs, a second way. residual_: what is missing in the "
       "whole "
-      "robot's equations.\n\n"
+      "robot's equations. The exit code is 65 if no sample was answered.\n\n"
       "Example, in the source directory:\n"
       "  torquectl wrenches client/trajectories/subject01-walk/walk.csv --robot human-subject01 -o /tmp/wrenches.csv");
   return {app, [options]

@@ -14,15 +14,15 @@ using namespace torqued;
 namespace
 {
 
-const std::vector<std::string> kJoints{"left_ankle", "right_ankle"};
+const std::vector<std::string> kJoints{"left_ankle", "right_ankle"}, kAccelerations{"q0", "xH", "zH"};
 
 } // namespace
 
 TEST_CASE("the columns are those that scripts and the manual know", "[answer_table]")
 {
-  CHECK("utime," + csv_line(answer_columns(kJoints)) ==
+  CHECK(csv_line({"utime"}, answer_columns(kJoints, kAccelerations)) ==
         "utime,tau_left_ankle,tau_right_ankle,fxL,fzL,momentL,sole_copL,fxR,fzR,momentR,sole_copR,zmp,flags,"
-        "dynamics_residual,contact_speed,contact_residual,method,rejected\n");
+        "flag_names,dynamics_residual,contact_speed,contact_residual,a_q0,a_xH,a_zH,adjustment,method,rejected\n");
 }
 
 TEST_CASE("each number of a command stands under its column", "[answer_table]")
@@ -36,16 +36,20 @@ TEST_CASE("each number of a command stands under its column", "[answer_table]")
   command.dynamics_residual = 13.0;
   command.contact_speed = 14.0;
   command.contact_residual = 15.0;
+  command.adjustment = 19.0;
   command.method = desired_state_t::LINEAR_TRANSITION;
-  CHECK(csv_line(answer_cells(command)) == "1.5,-2,3,4,5,6,7,8,9,10,11,12,13,14,15,linear-transition,\n");
-  CHECK(answer_cells(command).size() == answer_columns(kJoints).size());
+  const std::vector<std::string> cells = answer_cells(command, {16.0, 17.0, 18.0});
+  CHECK(csv_line(cells) == "1.5,-2,3,4,5,6,7,8,9,10,11,12,TIPS|OVER_TORQUE,13,14,15,16,17,18,19,linear-transition,\n");
+  CHECK(cells.size() == answer_columns(kJoints, kAccelerations).size());
+  command.flags = 0;
+  command.adjustment = std::nan("");
+  CHECK(csv_line(answer_cells(command, {std::nan(""), 17.0, 18.0})) ==
+        "1.5,-2,3,4,5,6,7,8,9,10,11,0,,13,14,15,,17,18,,linear-transition,\n");
 }
 
 TEST_CASE("a row that was not answered holds nothing but the reason", "[answer_table]")
 {
-  const std::vector<std::string> cells = rejected_cells(kJoints.size(), "STALE");
-  REQUIRE(cells.size() == answer_columns(kJoints).size());
-  CHECK(csv_line(cells) == std::string(cells.size() - 1, ',') + "STALE\n");
+  CHECK(csv_line(rejected_cells(4, "STALE")) == ",,,STALE\n");
 }
 
 TEST_CASE("numbers read back as the same bits", "[answer_table]")
@@ -65,6 +69,8 @@ TEST_CASE("numbers read back as the same bits", "[answer_table]")
     REQUIRE(std::bit_cast<std::uint64_t>(read) == std::bit_cast<std::uint64_t>(number));
   }
   CHECK(number_cell(0.1) == "0.1");
+  CHECK(seconds_cell(4000) == "0.004");
+  CHECK(seconds_cell(1'700'000'000'123'456) == "1700000000.123456");
 }
 
 TEST_CASE("methods are named, and unknown ones keep their number", "[answer_table]")
@@ -79,14 +85,15 @@ TEST_CASE("each flag has the name of its message's constant", "[answer_table]")
 {
   using c = torque_command_t;
   const std::vector<std::pair<std::int32_t, std::string>> known{
-      {c::SLIPS, "SLIPS"},        {c::LIFTS, "LIFTS"},         {c::TIPS, "TIPS"},
-      {c::CLAMPED, "CLAMPED"},    {c::RELAXED, "RELAXED"},     {c::OVER_TORQUE, "OVER_TORQUE"},
-      {c::LATE, "LATE"},          {c::OVER_RATE, "OVER_RATE"}, {c::INCONSISTENT, "INCONSISTENT"},
-      {c::PROJECTED, "PROJECTED"}};
+      {c::SLIPS, "SLIPS"},         {c::LIFTS, "LIFTS"},         {c::TIPS, "TIPS"},
+      {c::CLAMPED, "CLAMPED"},     {c::RELAXED, "RELAXED"},     {c::OVER_TORQUE, "OVER_TORQUE"},
+      {c::LATE, "LATE"},           {c::OVER_RATE, "OVER_RATE"}, {c::INCONSISTENT, "INCONSISTENT"},
+      {c::PROJECTED, "PROJECTED"}, {c::ADJUSTED, "ADJUSTED"},   {c::CONTACT_ACCELERATION, "CONTACT_ACCELERATION"},
+      {c::PRIOR, "PRIOR"}};
   for (const auto& [bit, name] : known)
     CHECK(flag_names(bit) == std::vector{name});
   CHECK(flag_names(0).empty());
-  CHECK(flag_names(1023).size() == known.size());
+  CHECK(flag_names(8191).size() == known.size());
   CHECK(flag_names(5) == std::vector<std::string>{"SLIPS", "TIPS"});
 }
 

@@ -53,9 +53,40 @@ TEST_CASE("standing still, the ground carries the weight and each foot half of i
   const double zmp = 2.0 * 0.7 * 0.03 / 45.0;
   CHECK(mismatch(found.zmp, zmp, 1e-12) == "");
   CHECK(mismatch(found.ground[0].cop, zmp, 1e-12) == "");
-  CHECK(found.method == Method::zmp_transition);
+  CHECK(found.method == Method::constrained);
   CHECK(found.contact_speed == 0.0);
   CHECK(found.dynamics_residual < 1e-12);
+}
+
+TEST_CASE("in a symmetric posture half of load_transfer is half of the weight, by every method that shares the load",
+          "[answer]")
+{
+  const Robot robot = load_robot("ck");
+  DesiredState desired = standing();
+  desired.base_given = false;
+  desired.q.head<7>() << 0.0, 0.2, -0.2, -0.2, 0.2, 0.0, 0.0;
+  // the ankles are at x = 0, so the centre of mass is the ground's lever about them; a foot weighs 0.7 kg, 0.03 m
+  // before
+  const double half = 0.5 * 45.0 * 9.81, ankle = -2.26078;
+  for (const Method method :
+       {Method::none, Method::linear_transition, Method::tracked_reaction, Method::tracked_internal,
+        Method::constrained, Method::zmp_transition, Method::human_transition})
+    for (const Side leading : kSides)
+      for (const double phase : {0.0, 0.3, 0.5, 1.0})
+      {
+        CAPTURE(std::string(name_of(method)), name_of(leading), phase);
+        desired.method = method;
+        desired.support.leading = leading;
+        desired.support.phase = phase;
+        StreamMemory memory;
+        const Answer found = answered(robot, {}, desired, memory);
+        CHECK(found.flags == 0);
+        for (const std::size_t side : {0u, 1u})
+          CHECK_THAT(found.ground[side].wrench.fz, Catch::Matchers::WithinAbs(half, 1e-6));
+        CHECK_THAT(found.torque(0), Catch::Matchers::WithinAbs(ankle, 5e-6));
+        CHECK_THAT(found.torque(0), Catch::Matchers::WithinAbs(found.zmp * half - 0.7 * 9.81 * 0.03, 1e-6));
+        CHECK(mismatch(found.torque, found.torque.reverse(), 1e-6) == "");
+      }
 }
 
 TEST_CASE("a motion that contradicts its contacts is flagged, or refused by setting", "[answer]")
@@ -63,31 +94,34 @@ TEST_CASE("a motion that contradicts its contacts is flagged, or refused by sett
   const Robot robot = load_robot("ck");
   AnswerSettings refuse;
   refuse.consistency = OnExcess::refuse;
-  const auto check = [&](const DesiredState& desired, bool inconsistent)
+  const auto check = [&](const DesiredState& desired, std::int32_t expected)
   {
     StreamMemory memory;
-    CHECK(((answered(robot, {}, desired, memory).flags & flag::inconsistent) != 0) == inconsistent);
-    if (inconsistent)
+    const std::int32_t found = answered(robot, {}, desired, memory).flags;
+    CHECK((found & (flag::inconsistent | flag::contact_acceleration)) == expected);
+    if (expected != 0)
       CHECK(refused(robot, refuse, desired, memory) == Reason::inconsistent);
     else
       answered(robot, refuse, desired, memory);
   };
-  check(standing(), false);
+  check(standing(), 0);
   DesiredState desired = standing();
   desired.v(7) = 0.009; // both ankles slide
-  check(desired, false);
+  check(desired, 0);
   desired.v(7) = 0.011;
-  check(desired, true);
+  check(desired, flag::inconsistent);
   desired = standing();
   desired.a(8) = 0.09;
-  check(desired, false);
+  check(desired, 0);
   desired.a(8) = 0.11;
-  check(desired, true);
+  check(desired, flag::contact_acceleration);
+  desired.v(7) = 0.011;
+  check(desired, flag::inconsistent | flag::contact_acceleration);
   desired = standing();
   desired.q(0) = -0.019;
-  check(desired, false);
+  check(desired, 0);
   desired.q(0) = -0.021;
-  check(desired, true);
+  check(desired, flag::inconsistent);
 }
 
 TEST_CASE("conditions that cannot be met are relaxed and flagged, or refused by setting", "[answer]")
@@ -124,7 +158,8 @@ TEST_CASE("torque limits are flagged, refused or clamped", "[answer]")
 {
   Robot robot = load_robot("ck");
   DesiredState desired = standing();
-  desired.q(6) = -0.5; // the trunk leans forward: both hips hold it
+  desired.q(6) = -0.5;                        // the trunk leans forward: both hips hold it
+  desired.method = Method::linear_transition; // looks at no limit itself
   StreamMemory memory;
   const Answer free = answered(robot, {}, desired, memory);
   const double hip = std::abs(free.torque(2));
@@ -237,6 +272,7 @@ TEST_CASE("numbers too large to compute with are refused, and finite answers are
   CHECK(refused(robot, {}, desired, memory) == Reason::numerical);
   desired = standing();
   desired.q.head<7>().setConstant(1e308);
+  desired.method = Method::linear_transition;
   answered(robot, {}, desired, memory);
   // a torque alone: the motion and what the ground does are small
   Robot sticky = robot;
@@ -244,6 +280,7 @@ TEST_CASE("numbers too large to compute with are refused, and finite answers are
   sticky.actuators[0].viscous = 1.7e308;
   desired = standing();
   desired.v.head<7>() << 1e-3, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0;
+  desired.method = Method::linear_transition;
   answered(sticky, {}, desired, memory);
   desired.v(0) = 10.0;
   CHECK(refused(sticky, {}, desired, memory) == Reason::numerical);
@@ -280,4 +317,49 @@ TEST_CASE("the same desired state and memory give the same bits", "[answer]")
     CHECK(std::memcmp(a.torque.data(), b.torque.data(), sizeof(double) * 6) == 0);
     CHECK(std::memcmp(&a.ground, &b.ground, sizeof a.ground) == 0);
   }
+}
+
+TEST_CASE("the accelerations of an answer are those that were asked for, and the base point's that follow", "[answer]")
+{
+  const Robot robot = load_robot("human-subject01");
+  oracle::Random random(53);
+  StreamMemory memory;
+  for (int i = 0; i < 50; ++i)
+  {
+    DesiredState desired =
+        oracle::desired_state(oracle::random_motion(random), Contact::sole, Contact::none, Side::left, 0.0);
+    Answer found = answered(robot, {}, desired, memory);
+    CHECK(found.a == desired.a.head<7>());
+    CHECK(found.base_a == desired.a.tail<2>());
+    CHECK(found.adjustment == 0.0);
+    desired.relative_a = VectorQ::LinSpaced(7, 1.0, 7.0); // what was sent, whatever it was made to
+    CHECK(answered(robot, {}, desired, memory).a == desired.relative_a);
+
+    // J a + J̇ v = 0 at the ankle of the foot that stands
+    desired.base_given = false;
+    found = answered(robot, {}, desired, memory);
+    const Motion motion = std::get<Motion>(complete_motion(robot, desired));
+    const auto [J, Jdot_v] = contact_rows(robot, motion.now, desired.support);
+    VectorQ a = desired.a;
+    a.tail<2>() = found.base_a;
+    CHECK(((J * a + Jdot_v).head<2>().norm()) < 1e-12 * (1.0 + a.norm() + Jdot_v.norm()));
+  }
+}
+
+TEST_CASE("the base point of a fixed root does not accelerate", "[answer]")
+{
+  oracle::Random random(54);
+  const Robot robot = oracle::random_tree(random, true);
+  DesiredState desired{};
+  desired.support = {{Contact::none, Contact::none}, Side::left, 0.0, 0.0};
+  for (const Side side : kSides)
+    if (robot.is_root(robot.foot(side)))
+      desired.support.contact[static_cast<std::size_t>(side)] = Contact::sole;
+  desired.q = desired.v = desired.a = VectorQ::Zero(robot.mechanism.num_q());
+  for (int i = 0; i < robot.num_coordinates(); ++i)
+    desired.a(i) = oracle::uniform(random, -5.0, 5.0);
+  StreamMemory memory;
+  const Answer found = answered(robot, {}, desired, memory);
+  CHECK(found.base_a == Eigen::Vector2d::Zero());
+  CHECK(found.a == desired.a.head(robot.num_coordinates()));
 }

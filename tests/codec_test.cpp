@@ -108,6 +108,10 @@ TEST_CASE("relative coordinates mean the same motion as the absolute ones they s
   CHECK(mismatch(from_relative.q, from_absolute.q, 1e-14) == "");
   CHECK(mismatch(from_relative.v, from_absolute.v, 1e-14) == "");
   CHECK(mismatch(from_relative.a, from_absolute.a, 1e-14) == "");
+  // as it was sent, to the last bit
+  CHECK(std::equal(relative.a.begin(), relative.a.end(), from_relative.relative_a.begin(),
+                   from_relative.relative_a.end()));
+  CHECK(from_absolute.relative_a.size() == 0);
 }
 
 TEST_CASE("a desired state cut at any byte, or extended, is undecodable", "[codec]")
@@ -207,6 +211,7 @@ TEST_CASE("a field out of its range is refused by name", "[codec]")
       {[](auto& m) { m.phase = 2.0; }, Reason::out_of_range, "phase is 2; expected 0 to 1"},
       {[](auto& m) { m.method = 10; }, Reason::unknown_method,
        "method is 10; expected DEFAULT (0), PSEUDO_INVERSE (1), LINEAR_TRANSITION (2), "},
+      {[](auto& m) { m.method = 11; }, Reason::unknown_method, "method is 11; expected DEFAULT (0), "},
       {[](auto& m) { m.method = -1; }, Reason::unknown_method, "method is -1; expected DEFAULT (0), "},
       {[](auto& m) { m.model_id = 5; }, Reason::wrong_model, "model_id is 5; expected"},
   };
@@ -284,6 +289,8 @@ TEST_CASE("what the daemon says arrives as it was said, and damaged not at all",
 
   torque_command_t command{};
   fill(command, Answer{}, 7, 8);
+  command.num_coordinates = 7;
+  command.a.resize(7);
   command.num_joints = 6;
   command.torque.resize(6);
   check(command, torque_command_t());
@@ -326,6 +333,9 @@ TEST_CASE("each part of an answer stands in its field of the command", "[codec]"
   answer.contact_speed = 18.0;
   answer.contact_residual = 19.0;
   answer.torque = VectorJ::LinSpaced(3, 20.0, 22.0);
+  answer.base_a << 23.0, 24.0;
+  answer.adjustment = 25.0;
+  answer.a = VectorQ::LinSpaced(2, 26.0, 27.0);
   torque_command_t command{};
   fill(command, answer, 3, 4);
   CHECK(command.utime == 1);
@@ -350,6 +360,10 @@ TEST_CASE("each part of an answer stands in its field of the command", "[codec]"
   CHECK(command.contact_residual == 19.0);
   CHECK(command.num_joints == 3);
   CHECK(command.torque == std::vector<double>{20.0, 21.0, 22.0});
+  CHECK(std::vector<double>{command.base_a[0], command.base_a[1], command.adjustment} ==
+        std::vector<double>{23.0, 24.0, 25.0});
+  CHECK(command.num_coordinates == 2);
+  CHECK(command.a == std::vector<double>{26.0, 27.0});
 }
 
 TEST_CASE("each part of a robot stands in its field of the model", "[codec]")
@@ -399,6 +413,8 @@ TEST_CASE("messages on the fast path stay within one Ethernet frame for the larg
   desired.v = desired.a = desired.q;
   CHECK(desired.getEncodedSize() < 1400);
   torque_command_t command{};
+  command.num_coordinates = kMaxCoordinates;
+  command.a.resize(kMaxCoordinates);
   command.num_joints = kMaxJoints;
   command.torque.resize(kMaxJoints);
   CHECK(command.getEncodedSize() < 1400);

@@ -228,7 +228,7 @@ TEST_CASE("measured columns that cannot be right are refused with line and colum
 {
   const TemporaryFolder folder;
   const std::string out = folder.file("walk.csv");
-  REQUIRE(run({"gait", "-o", out, "--steps", "1", "--rate", "20"}).code == 0);
+  REQUIRE(run({"gait", "--robot", "ck", "-o", out, "--steps", "1", "--rate", "20"}).code == 0);
   std::istringstream lines(read_file(out));
   const auto with = [&](const std::string& names, const std::string& cells)
   {

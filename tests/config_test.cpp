@@ -38,17 +38,18 @@ std::string complaint(const std::string& text)
 TEST_CASE("an empty configuration gives the documented defaults", "[config]")
 {
   const Config config = read_config(Written("").path);
-  CHECK(config.robot == "ck");
+  CHECK(config.robot == "");
   CHECK(config.lcm_url.empty());
   CHECK(config.prefix.empty());
   CHECK_FALSE(config.every_sample);
   CHECK(config.max_age == 0.020);
   CHECK(config.deadline == 0.001);
-  CHECK(config.answers.methods.method == Method::zmp_transition);
+  CHECK(config.answers.methods.method == Method::constrained);
   CHECK(config.answers.consistency == OnExcess::flag);
   CHECK(config.answers.contact_speed_tolerance == 0.01);
   CHECK(config.answers.contact_tolerance == 0.1);
   CHECK(config.answers.sole_tilt_tolerance == 0.02);
+  CHECK(config.answers.contact_height_tolerance == 0.03);
   CHECK(config.answers.residual_tolerance == 1e-3);
   CHECK(config.answers.limits == OnExcess::flag);
   CHECK(config.answers.rate_limits == OnExcess::flag);
@@ -83,6 +84,7 @@ consistency = "refuse"
 contact_speed_tolerance = 0.011
 contact_tolerance = 0.12
 sole_tilt_tolerance = 0
+contact_height_tolerance = 0.05
 residual_tolerance = 2e-3
 limits = "clamp"
 rate_limits = "refuse"
@@ -220,13 +222,14 @@ TEST_CASE("the settings id changes with every setting that changes answers, and 
                                   "contact_speed_tolerance = 1",
                                   "contact_tolerance = 1",
                                   "sole_tilt_tolerance = 1",
+                                  "contact_height_tolerance = 1",
                                   "residual_tolerance = 1",
                                   "limits = \"refuse\"",
                                   "limits = \"clamp\"",
                                   "rate_limits = \"refuse\"",
                                   "project = true",
                                   "[linear_transition]\ncop = 0.5",
-                                  "method = \"constrained\"",
+                                  "method = \"zmp-transition\"",
                                   "infeasible = \"refuse\"",
                                   "[pseudo_inverse]\nweights = [2]",
                                   "[pseudo_inverse]\nreaction_weights = [1, 1, 2]",

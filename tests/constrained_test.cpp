@@ -36,7 +36,7 @@ std::vector<Condition> conditions(const Case& now, const MethodSettings& setting
 {
   const Constrained& constrained = settings.constrained;
   const Support& support = now.support();
-  const double weight = now.robot.weight(), F_z = now.d()(1), p = support.phase;
+  const double weight = now.robot.weight(), F_z = now.d()(1), p = support.phase, s = support.load_transfer;
   const Eigen::Index n_w = support.wrench_components();
   std::vector<Condition> all;
   const auto add = [&](Kind kind, const Eigen::VectorXd& c, double bound, double scale)
@@ -61,7 +61,7 @@ std::vector<Condition> conditions(const Case& now, const MethodSettings& setting
     {
       std::optional<double> share;
       if (leading_sole && trailing_sole)
-        share = std::min(1.0, leading ? 2.0 * p : 2.0 - 2.0 * p);
+        share = std::min(1.0, leading ? 2.0 * s : 2.0 - 2.0 * s);
       else if ((leading_sole || trailing_sole) && support.of(side) != Contact::sole)
         share = leading ? p : 1.0 - p;
       if (share)
@@ -248,8 +248,13 @@ Case walking(oracle::Random& random, int i, Contact left, Contact right, double 
   for (Actuator& actuator : robot.actuators)
     actuator.torque_limit =
         oracle::uniform(random, 0.0, 1.0) < 0.5 ? oracle::uniform(random, 50.0, 400.0) : actuator.torque_limit;
-  const double p = i % 7 == 0 ? 0.0 : i % 7 == 1 ? 1.0 : oracle::uniform(random, 0.0, 1.0);
-  return Case(biped, robot, motion, left, right, stance.leading, oracle::uniform(random, 0.0, 1.0), p);
+  // each at its ends, too, and never both at the same one
+  const auto or_end = [&](double share, double first)
+  {
+    return i % 7 == 0 ? first : i % 7 == 1 ? 1.0 - first : share;
+  };
+  const double p = or_end(oracle::uniform(random, 0.0, 1.0), 0.0), s = or_end(oracle::uniform(random, 0.0, 1.0), 1.0);
+  return Case(biped, robot, motion, left, right, stance.leading, s, p);
 }
 
 MethodSettings random_settings(oracle::Random& random, int i)
@@ -509,7 +514,7 @@ TEST_CASE("a foot's least load is kept, as far as the window leaves it", "[const
     Case now = walking(random, i, Contact::sole, Contact::sole, 0.0);
     for (Actuator& actuator : now.robot.actuators)
       actuator.torque_limit = std::numeric_limits<double>::infinity();
-    const double F_z = now.d()(1), p = now.support().phase;
+    const double F_z = now.d()(1), s = now.support().load_transfer;
     const double f_min = 0.1 * now.robot.weight();
     for (Foot& foot : now.robot.feet)
       foot.f_min = f_min;
@@ -521,7 +526,7 @@ TEST_CASE("a foot's least load is kept, as far as the window leaves it", "[const
       return found.ground[static_cast<std::size_t>(side)].fz;
     };
     const double room = 1e-8 * now.robot.weight();
-    const double leading = std::min(f_min, 2.0 * p * F_z), trailing = std::min(f_min, 2.0 * (1.0 - p) * F_z);
+    const double leading = std::min(f_min, 2.0 * s * F_z), trailing = std::min(f_min, 2.0 * (1.0 - s) * F_z);
     CHECK(load(now.support().leading) > leading - room);
     CHECK(load(now.support().trailing()) > trailing - room);
     bound += load(now.support().leading) < leading + room || load(now.support().trailing()) < trailing + room ? 1 : 0;

@@ -53,6 +53,8 @@ public:
       bus_.subscribeFunction(channel, &Bench::hear, this)->setQueueCapacity(10'000);
     command_.push_back(TORQUED);
     command_.insert(command_.end(), arguments.begin(), arguments.end());
+    if (std::find(arguments.begin(), arguments.end(), "--robot") == arguments.end())
+      command_.insert(command_.end(), {"--robot", "ck"});
     start();
   }
 

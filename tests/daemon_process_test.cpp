@@ -123,11 +123,15 @@ TEST_CASE("model and status are published unasked, and say which robot and which
   CHECK(bench.statuses.back().state == status_t::WAITING);
 }
 
-TEST_CASE("a robot without feet is computed with in the air, and the log says so", "[daemon_process]")
+TEST_CASE("a robot without feet is computed with in the air, and the log says so, and what of its file is not read",
+          "[daemon_process]")
 {
   const TemporaryFolder folder;
-  Bench bench({"--robot", folder.write("flier.urdf", to_urdf(load_robot("rabbit")))});
+  std::string urdf = to_urdf(load_robot("rabbit"));
+  urdf.insert(urdf.find("</joint>"), "<dynamics damping=\"2\"/>");
+  Bench bench({"--robot", folder.write("flier.urdf", urdf)});
   CHECK(bench.wait([&] { return bench.output().find("no contact with the ground is possible") != std::string::npos; }));
+  CHECK(bench.output().find("<dynamics damping=2> is not read: set viscous in the TOML") != std::string::npos);
   CHECK(bench.model->joint_names == std::vector<std::string>{"left_knee", "left_hip", "right_hip", "right_knee"});
   bench.send(bench.standing());
   REQUIRE(bench.wait([&] { return !bench.rejections.empty(); }));
@@ -148,7 +152,12 @@ TEST_CASE("a start that cannot succeed ends with one clear line and its exit cod
       {{"--method", "fastest"},
        64,
        "torqued: --method: found \"fastest\"; expected one of: pseudo-inverse, linear-transition, "},
-      {{"--config", folder.write("w.toml", "[constrained]\nweights = [1, 2]")},
+      {{},
+       78,
+       "torqued: no robot is said: say --robot NAME|FILE, or robot = \"NAME\" in the file of --config (robots that "
+       "ship: ck, rk, six-link, compass, bip-itlag, human-subject01, rabbit)\n"},
+      {{"--config", folder.write("none.toml", "every_sample = true")}, 78, "torqued: no robot is said: "},
+      {{"--config", folder.write("w.toml", "robot = \"ck\"\n[constrained]\nweights = [1, 2]")},
        78,
        "torqued: the configuration does not fit ck: constrained: weights: found 2 of them; this robot has 6 motors\n"},
       {{"--prefix", "a b"}, 64, "torqued: --prefix: found \"a b\"; expected at most 32 letters, digits, _, - or /\n"},
@@ -158,8 +167,10 @@ TEST_CASE("a start that cannot succeed ends with one clear line and its exit cod
       {{"--config", folder.write("c.toml", "\nmax_age = -1")},
        78,
        "c.toml:2: max_age: found -1; expected a positive number of seconds, up to 3600\n"},
-      {{"--config", folder.file("none.toml")}, 78, "none.toml: cannot be read: No such file or directory\n"},
-      {{"--lcm-url", "nothing://"}, 69, "torqued: the LCM bus cannot be opened: lcm_url is \"nothing://\""},
+      {{"--config", folder.file("no.toml")}, 78, "no.toml: cannot be read: No such file or directory\n"},
+      {{"--robot", "ck", "--lcm-url", "nothing://"},
+       69,
+       "torqued: the LCM bus cannot be opened: lcm_url is \"nothing://\""},
   };
   for (const Row& row : rows)
   {
@@ -174,9 +185,8 @@ TEST_CASE("help, version and the printed configuration come without a bus", "[da
 {
   const auto [help_code, help] = run({"--help"});
   CHECK(help_code == 0);
-  for (const char* option :
-       {"--robot", "--config", "--method", "--lcm-url", "--prefix", "--every-sample", "--log-level", "--version",
-        "--print-config", "default: zmp-transition", "human-transition"})
+  for (const char* option : {"--robot", "--config", "--method", "--lcm-url", "--prefix", "--every-sample",
+                             "--log-level", "--version", "--print-config", "default: constrained", "human-transition"})
     CHECK(help.find(option) != std::string::npos);
   const auto [version_code, version] = run({"--version"});
   CHECK(version_code == 0);
@@ -189,6 +199,10 @@ TEST_CASE("help, version and the printed configuration come without a bus", "[da
   const auto [again_code, again] = run({"--print-config", "--config", folder.write("c.toml", printed)});
   CHECK(again_code == 0);
   CHECK(again == printed);
+  // a robot is not needed to print what is set
+  const auto [robotless_code, robotless] = run({"--print-config"});
+  CHECK(robotless_code == 0);
+  CHECK(robotless.find("\nrobot = ''") != std::string::npos);
   CHECK(printed.find("prefix = 'p_'") != std::string::npos);
 }
 

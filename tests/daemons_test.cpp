@@ -126,15 +126,15 @@ TEST_CASE("the page shows counts, robot and settings", "[daemons]")
   CHECK(contains(status_page(heard.at(kStart)), "it has not said yet which robot it computes"));
 
   const Robot robot = load_robot("ck");
-  hear(heard, model_info(robot, 7, 1, "method = \"constrained\"\nmax_age = 0.03\n"), kStart);
+  hear(heard, model_info(robot, 7, 1, "method = \"zmp-transition\"\nmax_age = 0.03\n"), kStart);
   const std::string page = status_page(heard.at(kStart));
-  CHECK(contains(page, "ck, 45.0 kg, 6 joints, method constrained, the newest sample if at most 30 ms old"));
+  CHECK(contains(page, "ck, 45.0 kg, 6 joints, method zmp-transition, the newest sample if at most 30 ms old"));
   CHECK(contains(page, "RUNNING, up 0:00:03"));
   CHECK(contains(page, "1234560 =       987648 +       123456 +       123456"));
   CHECK_FALSE(contains(page, "WRONG"));
 
   hear(heard, model_info(robot, 7, 1, "every_sample = true\n"), kStart);
-  CHECK(contains(status_page(heard.at(kStart)), "method zmp-transition, every sample"));
+  CHECK(contains(status_page(heard.at(kStart)), "method constrained, every sample"));
   hear(heard, model_info(robot, 7, 1, "tomorrow = 1\n"), kStart);
   CHECK(contains(status_page(heard.at(kStart)), "settings that this torquectl cannot read"));
 }

@@ -182,8 +182,8 @@ TEST_CASE("doctor and status know no daemon, one, two with prefixes, and two on 
   said = status({});
   CAPTURE(said.text);
   CHECK(said.code == 0);
-  CHECK(contains(said.text, "ck, 45.0 kg, 6 joints, method zmp-transition, the newest sample"));
-  CHECK(contains(said.text, "rk, 45.0 kg, 6 joints, method zmp-transition, every sample"));
+  CHECK(contains(said.text, "ck, 45.0 kg, 6 joints, method constrained, the newest sample"));
+  CHECK(contains(said.text, "rk, 45.0 kg, 6 joints, method constrained, every sample"));
   CHECK(contains(said.text, "in all   " + received));
   CHECK_FALSE(contains(said.text, "WRONG"));
   said = status({"--prefix", "other/"});
@@ -206,7 +206,7 @@ TEST_CASE("doctor and status know no daemon, one, two with prefixes, and two on 
   for (const Json& finding : findings)
     CHECK(contains(as_text, finding["text"].get<std::string>().substr(0, 20)));
 
-  Process second({TORQUED}, folder.file("second"));
+  Process second({TORQUED, "--robot", "ck"}, folder.file("second"));
   bench.hear_for(500ms);
   said = doctor();
   CAPTURE(said.text);

@@ -111,6 +111,7 @@ struct Stance
 {
   Contact left, right;
   Side leading;
+  double step = 0.0; ///< how much higher the leading foot stands, m
 };
 
 inline int index(Side side, int left, int right)
@@ -118,14 +119,14 @@ inline int index(Side side, int left, int right)
   return side == Side::left ? left : right;
 }
 
-/// q of a leg by which its contact point is on the ground, knee bent forward; false if the leg does not reach
-inline bool put_on_ground(const oracle::Biped& biped, Side side, Contact contact, oracle::Vector9& X)
+/// q of a leg by which its contact point is at the ground's height, knee bent forward; false if the leg does not reach
+inline bool put_on_ground(const oracle::Biped& biped, Side side, Contact contact, double ground, oracle::Vector9& X)
 {
   const int shin = index(side, 1, 4), thigh = index(side, 2, 3);
   const auto height = [&](double angle)
   {
     X(shin) = angle;
-    return biped.contact_point(side, contact == Contact::sole ? Contact::heel : contact, X).y();
+    return biped.contact_point(side, contact == Contact::sole ? Contact::heel : contact, X).y() - ground;
   };
   double high = X(thigh) - 1.8, low = X(thigh) - 0.05;
   if (!(height(high) > 0.0 && height(low) < 0.0))
@@ -154,7 +155,12 @@ inline std::optional<oracle::Motion> pose(oracle::Random& random, const oracle::
     X(5) = pitch(random, stance.right);
     X(index(stance.leading, 2, 3)) = oracle::uniform(random, 0.2, 0.9);
     X(index(other(stance.leading), 2, 3)) = oracle::uniform(random, -0.6, 0.2);
-    if (!put_on_ground(biped, Side::left, stance.left, X) || !put_on_ground(biped, Side::right, stance.right, X))
+    const auto ground = [&](Side side)
+    {
+      return side == stance.leading ? stance.step : 0.0;
+    };
+    if (!put_on_ground(biped, Side::left, stance.left, ground(Side::left), X) ||
+        !put_on_ground(biped, Side::right, stance.right, ground(Side::right), X))
       continue;
     const double toe = biped.contact_point(other(stance.leading), Contact::toe, X).x();
     const double heel = biped.contact_point(stance.leading, Contact::heel, X).x();

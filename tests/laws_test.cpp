@@ -497,6 +497,55 @@ TEST_CASE("joint friction is what its closed form says, at rates of either sign"
   }
 }
 
+TEST_CASE("within its stick velocity friction is continuous, and beyond it what it is without", "[laws]")
+{
+  oracle::Random random(205);
+  for (int i = 0; i < kStates; ++i)
+  {
+    Actuator jumps;
+    jumps.coulomb = oracle::uniform(random, 0.1, 5.0);
+    jumps.stribeck = oracle::uniform(random, 0.1, 5.0);
+    jumps.viscous = oracle::uniform(random, 0.0, 1.0);
+    jumps.stribeck_velocity = oracle::uniform(random, 0.01, 1.0);
+    jumps.friction_offset = oracle::uniform(random, -1.0, 1.0);
+    Actuator sticks = jumps;
+    sticks.stick_velocity = std::pow(10.0, oracle::uniform(random, -6.0, 0.0));
+    const double edge = sticks.stick_velocity;
+    CAPTURE(edge, jumps.stribeck_velocity);
+    const auto without = [&jumps](double rate)
+    {
+      return joint_friction(jumps, rate, 0.0);
+    };
+    const auto with = [&sticks](double rate)
+    {
+      return joint_friction(sticks, rate, 0.0);
+    };
+
+    // outside: the same, bit for bit, from the edge on
+    const double outside = oracle::uniform(random, 1.0, 100.0) * edge;
+    for (const double rate : {edge, -edge, outside, -outside})
+      CHECK(with(rate) == without(rate));
+
+    // inside: the sign's two terms are in the rate's proportion to the edge; all of it is odd but for the offset, and
+    // takes power from the motion
+    const double share = oracle::uniform(random, 0.0, 1.0);
+    const double rate = share * edge;
+    const double own = jumps.friction_offset + jumps.viscous * rate;
+    CHECK(mismatch(with(rate) - own, share * (without(rate) - own), 1e-13) == "");
+    CHECK(mismatch(with(rate) + with(-rate), 2.0 * jumps.friction_offset, 1e-13) == "");
+    CHECK((with(rate) - jumps.friction_offset) * rate >= 0.0);
+    CHECK(with(0.0) == jumps.friction_offset);
+
+    // nowhere a jump: no steeper than at rest, where the slope is (κ_c + κ_s) / s + κ_v; nor than the viscous and
+    // Stribeck terms are by themselves, 1 / η_s being more than the slope of exp(−x²)
+    const double slope =
+        (jumps.coulomb + jumps.stribeck) / edge + jumps.viscous + jumps.stribeck / jumps.stribeck_velocity;
+    for (const double from : {-edge, 0.0, rate, edge})
+      for (const double step : {1e-9 * edge, 1e-3 * edge})
+        CHECK(std::abs(with(from + step) - with(from - step)) <= 2.0 * step * slope * (1.0 + 1e-6) + 1e-14);
+  }
+}
+
 TEST_CASE("a robot's friction acts on the angles that its motors turn", "[laws]")
 {
   oracle::Random random(204);

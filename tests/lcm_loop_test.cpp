@@ -170,7 +170,7 @@ TEST_CASE("with every_sample each good sample is answered once, in order, after 
   CHECK(bench.commands[0].sequence == 1);
   CHECK(bench.commands[1].sequence == 2);
   CHECK(bench.commands[0].model_id == bench.robot().model_id);
-  CHECK(bench.commands[0].method == desired_state_t::ZMP_TRANSITION);
+  CHECK(bench.commands[0].method == desired_state_t::CONSTRAINED);
   REQUIRE(bench.rejections.size() == 4);
   CHECK(bench.rejections[0].reason == rejection_t::UNDECODABLE);
   CHECK(bench.rejections[0].utime == 10);
@@ -207,6 +207,7 @@ TEST_CASE("newest wins: of the samples that wait only the last good one is answe
   CHECK(status.last_reason == rejection_t::OTHER_STREAM);
   CHECK(status.state == status_t::RUNNING);
   CHECK(status.dropped_logs == 5);
+  CHECK(status.dropped_upper_bound == -1);
   CHECK(status.input_age_us >= 100'000);
 }
 

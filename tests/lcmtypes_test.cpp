@@ -18,10 +18,10 @@ TEST_CASE("the fingerprints are those that clients, logs and other languages kno
     return static_cast<std::uint64_t>(hash);
   };
   CHECK(fingerprint(desired_state_t::getHash()) == 0x848ee5a595a95ea6ULL);
-  CHECK(fingerprint(torque_command_t::getHash()) == 0x9ef6fb0910ac29c2ULL);
+  CHECK(fingerprint(torque_command_t::getHash()) == 0x3e42ae98b613c06bULL);
   CHECK(fingerprint(ground_reaction_t::getHash()) == 0xa564d025f3c20169ULL);
   CHECK(fingerprint(rejection_t::getHash()) == 0x5cf405f930c78269ULL);
-  CHECK(fingerprint(status_t::getHash()) == 0x4bdd1b87b2ae75dcULL);
+  CHECK(fingerprint(status_t::getHash()) == 0x6bb8521dfc26ba14ULL);
   CHECK(fingerprint(dynamics_request_t::getHash()) == 0x31728d27123ab996ULL);
   CHECK(fingerprint(dynamics_t::getHash()) == 0x08ae4d0fafcac5d1ULL);
   CHECK(fingerprint(model_info_t::getHash()) == 0x4fbb0390edbabac1ULL);
@@ -42,7 +42,8 @@ TEST_CASE("the constants are those that clients, logs and other languages know",
   CHECK(std::vector<int>{Q::NONE, Q::HEEL, Q::SOLE, Q::TOE} == std::vector<int>{0, 1, 2, 3});
   using C = torque_command_t;
   CHECK(std::vector<int>{C::SLIPS, C::LIFTS, C::TIPS, C::OVER_TORQUE, C::CLAMPED, C::RELAXED, C::INCONSISTENT, C::LATE,
-                         C::OVER_RATE, C::PROJECTED} == std::vector<int>{1, 2, 4, 8, 16, 32, 64, 128, 256, 512});
+                         C::OVER_RATE, C::PROJECTED, C::ADJUSTED, C::CONTACT_ACCELERATION,
+                         C::PRIOR} == std::vector<int>{1, 2, 4, 8, 16, 32, 64, 128, 256, 512, 1024, 2048, 4096});
   using R = rejection_t;
   CHECK(std::vector<int>{R::UNDECODABLE, R::WRONG_MODEL, R::WRONG_SIZE, R::NOT_FINITE, R::OUT_OF_RANGE,
                          R::UNKNOWN_METHOD, R::OUT_OF_ORDER, R::STALE, R::OTHER_STREAM, R::INCONSISTENT,

@@ -161,6 +161,39 @@ TEST_CASE("on two soles both pressures stay inside whenever this split of the lo
   CHECK(inside > 1000);
 }
 
+TEST_CASE("on two soles the trailing foot follows the zero-moment point at the soles' height, the leading one the rest",
+          "[linear_transition]")
+{
+  oracle::Random random(27);
+  const Robot robot = load_robot("ck");
+  for (int i = 0; i < 1000; ++i)
+  {
+    const double F_z = oracle::uniform(random, 50.0, 800.0), s = oracle::uniform(random, 0.01, 0.99);
+    const double height = i % 2 == 0 ? 0.0 : oracle::uniform(random, -10.0, 10.0);
+    CAPTURE(i, s, height);
+    SupportEquations equations = two_soles(random, robot, F_z);
+    equations.now.base.y() += height;
+    for (FootPose& pose : equations.feet)
+      for (Eigen::Vector2d* point : {&pose.ankle, &pose.heel, &pose.toe})
+        point->y() += height;
+    const Support support{{Contact::sole, Contact::sole}, i % 4 < 2 ? Side::left : Side::right, s, 0.0};
+    const FootPose& leading = equations.foot(support.leading);
+    const FootPose& trailing = equations.foot(support.trailing());
+    const double from = s * leading.heel.x() + (1.0 - s) * trailing.heel.x();
+    const double to = s * leading.toe.x() + (1.0 - s) * trailing.toe.x();
+    const double zmp = from + oracle::uniform(random, 0.0, 1.0) * (to - from); // some pair of pressures inside gives it
+    equations.d(2) = cross(Eigen::Vector2d(zmp, height) - equations.base(), equations.force());
+
+    const double nearest = std::clamp(zmp, trailing.heel.x(), trailing.toe.x());
+    const double x_f = std::clamp((zmp - (1.0 - s) * nearest) / s, leading.heel.x(), leading.toe.x());
+    const double x_r = (zmp - s * x_f) / (1.0 - s);
+    const auto w = std::get<Reactions>(linear_transition(robot, equations, support, {})).w;
+    const double slack = 1e-12 / std::min(s, 1.0 - s);
+    CHECK(std::abs(leading.ankle.x() + cop(robot, support.leading, w) - x_f) < slack);
+    CHECK(std::abs(trailing.ankle.x() + cop(robot, support.trailing(), w) - x_r) < slack);
+  }
+}
+
 TEST_CASE("on two soles a fixed fraction holds the leading foot's pressure there", "[linear_transition]")
 {
   oracle::Random random(24);

@@ -46,10 +46,14 @@ std::vector<desired_state_t> walk(const Robot& robot)
 
 torque_command_t answer_to(const desired_state_t& desired)
 {
+  static const std::int64_t model_id = load_robot("ck").model_id;
   torque_command_t command{};
+  command.model_id = model_id;
   command.utime = desired.utime;
   command.stream_id = desired.stream_id;
   command.compute_ns = 7000;
+  command.num_coordinates = 7;
+  command.a = desired.a;
   command.num_joints = 6;
   command.torque.assign(6, 1e-3 * static_cast<double>(desired.utime));
   return command;
@@ -169,6 +173,13 @@ TEST_CASE("what makes no sense for the robot is passed over", "[live_motion]")
   torque_command_t of_another = answer_to(states[0]);
   of_another.num_joints = 2;
   of_another.torque.resize(2);
+  live.hear(of_another, kStart);
+  of_another = answer_to(states[0]);
+  of_another.num_coordinates = 1;
+  of_another.a.resize(1);
+  live.hear(of_another, kStart);
+  of_another = answer_to(states[0]);
+  of_another.model_id += 1;
   live.hear(of_another, kStart);
   CHECK_FALSE(live.window(kStart + 1h).at(0).runs[0].answers[0]);
 }

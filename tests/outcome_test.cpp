@@ -56,13 +56,13 @@ TEST_CASE("what is not answered has no part in the figures, and no integral runs
   const std::vector<DesiredState> states = moving(robot, 6);
   Answers answers(6, with_torque(robot, 1.0));
   answers[2].reset();
-  answers[5]->flags = flag::tips | flag::late;
+  answers[5]->flags = flag::tips | flag::late | flag::prior;
   answers[0]->flags = flag::tips;
   const Outcome outcome = outcome_of(robot, states, answers, find_changes(states));
   CHECK(outcome.answered == 5);
   CHECK(mismatch(outcome.seconds, 0.3, 1e-12) == "");
   CHECK(mismatch(outcome.effort, 6 * 0.3, 1e-12) == "");
-  CHECK(outcome.flagged == std::map<std::int32_t, int>{{flag::tips, 2}, {flag::late, 1}});
+  CHECK(outcome.flagged == std::map<std::int32_t, int>{{flag::tips, 2}, {flag::late, 1}, {flag::prior, 1}});
   CHECK(outcome_of(robot, states, Answers(6), find_changes(states)).rms() == 0.0);
 }
 

@@ -259,7 +259,7 @@ TEST_CASE("without a base point the feet keep their distance", "[projection]")
   oracle::Random random(702);
   const oracle::Biped biped;
   const std::string walk = folder.file("walk.csv"), projected = folder.file("projected.csv");
-  REQUIRE(run({"gait", "--rate", "50", "-o", walk}).code == 0);
+  REQUIRE(run({"gait", "--robot", "ck", "--rate", "50", "-o", walk}).code == 0);
   std::vector<Sample> samples = read_walk(walk);
   disturb(samples, random);
   const Run done =
@@ -452,9 +452,29 @@ TEST_CASE("with project = true the projection is answered, and what was wrong be
     CHECK((direct.flags & (flag::projected | flag::inconsistent)) == 0);
     CHECK(answered.torque == direct.torque);
     CHECK(answered.zmp == direct.zmp);
+    // the accelerations are those of the motion that was answered, beside how far they were moved
+    CHECK(answered.a == direct.a);
+    CHECK(answered.base_a == direct.base_a);
+    CHECK(answered.adjustment == (on.a - off.a).head(robot.num_coordinates()).cwiseAbs().maxCoeff());
+    CHECK(answered.adjustment > 0.0);
+    CHECK(direct.adjustment == 0.0);
+    DesiredState asked_relative = off;
+    const auto in_relative = [&robot](const VectorQ& a) -> VectorQ
+    {
+      const int n = robot.num_coordinates();
+      return robot.A.topLeftCorner(n, n) * a.head(n);
+    };
+    asked_relative.relative_a = in_relative(off.a);
+    StreamMemory unused;
+    const Answer relative = std::get<Answer>(answer(robot, moving, asked_relative, unused));
+    CHECK(mismatch(relative.a, in_relative(on.a), 1e-12) == "");
+    CHECK(mismatch(relative.adjustment, in_relative(on.a - off.a).cwiseAbs().maxCoeff(), 1e-9) == "");
+    CHECK(relative.torque == answered.torque);
     // what keeps its contacts is answered as without, and without the flag
     const Answer same = std::get<Answer>(answer(robot, moving, on, fresh[3]));
     CHECK((same.flags & flag::projected) == 0);
+    CHECK(same.a == on.a.head(robot.num_coordinates()));
+    CHECK(same.adjustment == 0.0);
     CHECK(mismatch(same.torque, direct.torque, 1e-9) == "");
 
     // a tolerance is one of the motion as it was sent
@@ -469,7 +489,7 @@ TEST_CASE("joint wrenches are those of the motion that was answered", "[projecti
 {
   const TemporaryFolder folder;
   oracle::Random random(706);
-  REQUIRE(run({"gait", "--rate", "50", "--steps", "1", "-o", folder.file("walk.csv")}).code == 0);
+  REQUIRE(run({"gait", "--robot", "ck", "--rate", "50", "--steps", "1", "-o", folder.file("walk.csv")}).code == 0);
   std::vector<Sample> samples = read_walk(folder.file("walk.csv"));
   disturb(samples, random);
   const std::string disturbed = folder.write("disturbed.csv", write_walk(samples, true));
@@ -493,7 +513,7 @@ TEST_CASE("torquectl project says what it cannot use", "[projection]")
 {
   const TemporaryFolder folder;
   const std::string walk = folder.file("walk.csv"), out = folder.file("out.csv");
-  REQUIRE(run({"gait", "--steps", "1", "--rate", "20", "-o", walk}).code == 0);
+  REQUIRE(run({"gait", "--robot", "ck", "--steps", "1", "--rate", "20", "-o", walk}).code == 0);
   const auto says = [](const std::vector<std::string>& words)
   {
     const Run done = run(words);
@@ -521,8 +541,9 @@ TEST_CASE("torquectl project says what it cannot use", "[projection]")
         fmt::format("65 torquectl: {}: record 1: base is FROM_CONTACT; expected it GIVEN in all desired states, or "
                     "FROM_CONTACT in all\n",
                     mixed));
-  // to the terminal: the table and nothing else
+  // on the standard output: the table and nothing else
   const Run terminal = run({"project", walk, "--robot", "ck", "-o", "-"});
   CHECK(terminal.out.starts_with("utime,q0,"));
   CHECK(terminal.out.find("moved") == std::string::npos);
+  CHECK(terminal.err.find("and was moved by up to\n") != std::string::npos);
 }

@@ -330,7 +330,7 @@ TEST_CASE("a bus that a firewall closes ends the start, and a signal ends it at 
   const std::string closed =
       fmt::format("{} && nft add table ip closed && nft 'add chain ip closed input {{ type filter "
                   "hook input priority 0; }}' && nft add rule ip closed input udp dport 7667 "
-                  "drop && exec {}",
+                  "drop && exec {} --robot ck",
                   kMulticast, TORQUED);
   const std::vector<std::string> command{"unshare", "--net", "sh", "-c", closed};
   Process refused(command, folder.file("refused"));
@@ -386,7 +386,7 @@ TEST_CASE("a process with too few descriptors says so and ends, or works", "[pro
   {
     CAPTURE(descriptors);
     const TemporaryFolder folder;
-    Process torqued({"prlimit", fmt::format("--nofile={}", descriptors), TORQUED}, folder.file("out"));
+    Process torqued({"prlimit", fmt::format("--nofile={}", descriptors), TORQUED, "--robot", "ck"}, folder.file("out"));
     const std::optional<int> code = torqued.wait(std::chrono::milliseconds(1500));
     const std::string output = read_file(folder.file("out"));
     CAPTURE(output);
@@ -430,7 +430,8 @@ TEST_CASE("without the memory it needs torqued says so and ends, with it it goes
   {
     CAPTURE(megabytes);
     const TemporaryFolder folder;
-    Process torqued({"prlimit", fmt::format("--as={}", megabytes * 1'000'000), TORQUED}, folder.file("out"));
+    Process torqued({"prlimit", fmt::format("--as={}", megabytes * 1'000'000), TORQUED, "--robot", "ck"},
+                    folder.file("out"));
     const std::optional<int> code = torqued.wait(std::chrono::milliseconds(1500));
     const std::string output = read_file(folder.file("out"));
     CAPTURE(output);

@@ -162,6 +162,7 @@ TEST_CASE("friction shows in Y at any rate, however slow its own", "[regressor]"
     make_motors_real(robot, random);
     for (Actuator& actuator : robot.actuators)
       actuator.stribeck_velocity = slow;
+    robot.actuators.front().stick_velocity = slow;
     const std::vector<BaseParameter> parameters = base_parameters(robot);
     for (int i = 0; i < 20; ++i)
     {

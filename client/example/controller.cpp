@@ -47,7 +47,7 @@ try
   }
   const auto trunk = static_cast<std::size_t>(found - model.absolute_names.begin());
 
-  // 2 s at 200 Hz: q = A (1 − cos ωt), at rest at the beginning
+  // 2 s at 200 Hz: q = A (1 − cos ωt), at rest at the beginning. Both legs stay alike, so both feet carry the same.
   constexpr double A = 0.05, omega = 6.28;
   torqued::desired_state_t desired = client.standing();
   const auto start = torqued::TorqueClient::Clock::now();

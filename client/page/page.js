@@ -25,7 +25,8 @@
 
   const CONTACTS = ['none', 'heel', 'sole', 'toe'];
   const SIDES = ['L', 'R'];
-  const FLAGS = ['SLIPS', 'LIFTS', 'TIPS', 'OVER_TORQUE', 'CLAMPED', 'RELAXED', 'INCONSISTENT', 'LATE', 'OVER_RATE', 'PROJECTED'];
+  const FLAGS = ['SLIPS', 'LIFTS', 'TIPS', 'OVER_TORQUE', 'CLAMPED', 'RELAXED', 'INCONSISTENT', 'LATE', 'OVER_RATE', 'PROJECTED',
+    'ADJUSTED', 'CONTACT_ACCELERATION', 'PRIOR'];
   let motions = [], runs = [];
   let begin = 0, end = 1;     // s, of what there is
   let shown = null;           // the run whose torques and forces the robot shows
@@ -378,7 +379,7 @@
       const y = i * ROW + 2;
       pen.textAlign = 'right';
       pen.fillStyle = colour('quiet');
-      pen.fillText(row.foot === undefined ? row.name.toLowerCase().replace('_', ' ') : row.name, STRIP_LEFT - 8, y + ROW / 2);
+      pen.fillText(row.foot === undefined ? row.name.toLowerCase().replace('_', ' ') : row.name, STRIP_LEFT - 8, y + ROW / 2, STRIP_LEFT - 8);
       pen.fillStyle = colour('grid');
       pen.fillRect(STRIP_LEFT, y + 2, width - STRIP_LEFT - STRIP_RIGHT, ROW - 4);
       const found = row.foot === undefined ? row.found : motion.stances[row.foot];
@@ -740,7 +741,7 @@
       ['root mean square of all, N m', run => text(run.figures.rms)],
       ['Σ∫τ²dt, N² m² s', run => text(run.figures.effort)],
       ['work Σ∫|τθ̇|dt, J', run => text(run.figures.work)],
-      ['work per metre, J/m', run => Math.abs(run.figures.distance) > 0.01 * robot.leg_length ? text(run.figures.work / Math.abs(run.figures.distance)) : '–'],
+      ['work per metre, J/m', run => Math.abs(run.figures.distance) > 0.01 * robot.leg_length ? text(run.figures.work === null ? null : run.figures.work / Math.abs(run.figures.distance)) : '–'],
     ]);
     const kinds = [...new Set(runs.flatMap(run => Object.keys(run.figures.jumps)))];
     group('Largest jump of a torque where contacts change, N m', kinds.map(kind =>

@@ -21,15 +21,23 @@ namespace
 
 constexpr double kProjected = 1e-9; // m, rad, and per s and s²: less than this is rounding, and no reason for a flag
 
+// whether the motion keeps its contacts, by where and how they are, and by how they accelerate
 std::optional<Refusal> check_consistency(const AnswerSettings& settings, const ContactErrors& errors,
-                                         std::int32_t& flags)
+                                         const Support& support, std::int32_t& flags)
 {
-  if (errors.speed <= settings.contact_speed_tolerance && errors.acceleration <= settings.contact_tolerance &&
-      errors.tilt <= settings.sole_tilt_tolerance)
+  const bool on_ground = std::abs(errors.height) <= settings.contact_height_tolerance;
+  const bool at_rest = errors.speed <= settings.contact_speed_tolerance && errors.tilt <= settings.sole_tilt_tolerance;
+  const bool stays = errors.acceleration <= settings.contact_tolerance;
+  flags |= on_ground && at_rest ? 0 : flag::inconsistent;
+  flags |= stays ? 0 : flag::contact_acceleration;
+  if ((on_ground && at_rest && stays) || settings.consistency == OnExcess::flag)
     return {};
-  flags |= flag::inconsistent;
-  if (settings.consistency == OnExcess::flag)
-    return {};
+  if (!on_ground)
+    return Refusal(Reason::inconsistent,
+                   "the {} foot's {} carries, and is {:.3g} m {} the ground z = 0, more than contact_height_tolerance, "
+                   "{:.3g} m",
+                   name_of(errors.farthest), name_of(support.of(errors.farthest)), std::abs(errors.height),
+                   errors.height > 0.0 ? "above" : "below", settings.contact_height_tolerance);
   return Refusal(
       Reason::inconsistent,
       "the motion gives its contacts a speed of {:.3g} (up to {:.3g} m/s, rad/s), an acceleration of {:.3g} (up to "
@@ -106,27 +114,53 @@ bool all_finite(const Answer& answer)
   // a number that is not finite makes the sum so; a torque, or a foot's wrench, that is not makes the residual so
   double sum = 0.0 * answer.zmp + 0.0 * answer.dynamics_residual;
   sum += 0.0 * answer.contact_speed + 0.0 * answer.contact_residual;
+  sum += 0.0 * answer.base_a.x() + 0.0 * answer.base_a.y() + 0.0 * answer.adjustment;
   for (const GroundReaction& foot : answer.ground)
     sum += 0.0 * foot.cop + 0.0 * foot.friction_ratio;
   return is_finite(sum);
 }
 
-// before: how far the motion was from its contacts before it was projected; empty if it was not
-std::optional<Refusal> answer_motion(const Robot& robot, const AnswerSettings& settings, const DesiredState& desired,
-                                     const std::optional<ContactErrors>& before, StreamMemory& memory, Answer& answer)
+// The coordinates' accelerations: those asked for, or, where the motion was moved, its own in the coordinates that were
+// asked in.
+void set_accelerations(const Robot& robot, const DesiredState& asked, const DesiredState& motion, bool moved,
+                       Answer& answer)
+{
+  const int n = robot.num_coordinates();
+  const bool relative = asked.relative_a.size() > 0;
+  if (relative)
+    answer.a = asked.relative_a;
+  else
+    answer.a = asked.a.head(n);
+  if (!moved)
+    return;
+  const VectorQ before = answer.a;
+  if (relative)
+    answer.a.noalias() = robot.A.topLeftCorner(n, n) * motion.a.head(n);
+  else
+    answer.a = motion.a.head(n);
+  answer.adjustment = (answer.a - before).lpNorm<Eigen::Infinity>();
+}
+
+// asked, desired: the motion as it was sent, and the one that is answered. before: how far the motion was from its
+// contacts before it was projected; empty if it was not
+std::optional<Refusal> answer_motion(const Robot& robot, const AnswerSettings& settings, const DesiredState& asked,
+                                     const DesiredState& desired, const std::optional<ContactErrors>& before,
+                                     StreamMemory& memory, Answer& answer)
 {
   const Result<SupportEquations> built = support_equations(robot, desired);
   if (const Refusal* refusal = std::get_if<Refusal>(&built))
     return *refusal;
   const SupportEquations& equations = std::get<SupportEquations>(built);
   const ContactErrors errors = before ? *before
-                                      : ContactErrors{.tilt = equations.sole_tilt,
+                                      : ContactErrors{.height = equations.contact_height,
+                                                      .farthest = equations.farthest,
+                                                      .tilt = equations.sole_tilt,
                                                       .speed = equations.contact_speed,
                                                       .acceleration = equations.contact_residual};
   std::int32_t flags = 0;
   if (before && std::max({before->position, before->tilt, before->speed, before->acceleration}) > kProjected)
     flags |= flag::projected;
-  if (const auto refusal = check_consistency(settings, errors, flags))
+  if (const auto refusal = check_consistency(settings, errors, desired.support, flags))
     return *refusal;
 
   Result<TorqueSolution> solved =
@@ -151,6 +185,9 @@ std::optional<Refusal> answer_motion(const Robot& robot, const AnswerSettings& s
   answer.zmp = zero_moment_point(robot, equations);
   answer.contact_speed = errors.speed;
   answer.contact_residual = errors.acceleration;
+  set_accelerations(robot, asked, desired, (flags & flag::projected) != 0, answer);
+  if (!robot.fixed_root())
+    answer.base_a = equations.base_acceleration;
   if (const auto refusal = apply_limits(robot, settings, desired, memory, solution.torque, flags))
     return *refusal;
   answer.dynamics_residual = dynamics_residual(robot, equations, solution);
@@ -192,6 +229,7 @@ std::int64_t settings_id(const AnswerSettings& settings)
   hash.add(settings.contact_speed_tolerance);
   hash.add(settings.contact_tolerance);
   hash.add(settings.sole_tilt_tolerance);
+  hash.add(settings.contact_height_tolerance);
   hash.add(settings.residual_tolerance);
   hash.add(static_cast<int>(settings.project));
   hash.add(static_cast<int>(settings.limits));
@@ -215,7 +253,7 @@ Result<Answer> answer(const Robot& robot, const AnswerSettings& settings, const 
   Result<Answer> result(std::in_place_type<Answer>);
   const auto fill = [&](const DesiredState& motion, const std::optional<ContactErrors>& before)
   {
-    if (const auto refusal = answer_motion(robot, settings, motion, before, memory, std::get<Answer>(result)))
+    if (const auto refusal = answer_motion(robot, settings, desired, motion, before, memory, std::get<Answer>(result)))
       result = *refusal;
   };
   if (!settings.project)

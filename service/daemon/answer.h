@@ -20,14 +20,15 @@ enum class OnExcess
 struct AnswerSettings
 {
   MethodSettings methods;
-  OnExcess consistency = OnExcess::flag; ///< flag or refuse
-  double contact_speed_tolerance = 0.01; ///< m/s, rad/s
-  double contact_tolerance = 0.1;        ///< m/s², rad/s²
-  double sole_tilt_tolerance = 0.02;     ///< rad
-  double residual_tolerance = 1e-3;      ///< share of the weight, or of weight × leg length; see solve_torques
-  bool project = false;                  ///< answer the nearest motion that keeps its contacts, projection.h
-  OnExcess limits = OnExcess::flag;      ///< torque limits
-  OnExcess rate_limits = OnExcess::flag; ///< torque-rate limits
+  OnExcess consistency = OnExcess::flag;  ///< flag or refuse
+  double contact_speed_tolerance = 0.01;  ///< m/s, rad/s
+  double contact_tolerance = 0.1;         ///< m/s², rad/s²; beyond it the flag is contact_acceleration
+  double sole_tilt_tolerance = 0.02;      ///< rad
+  double contact_height_tolerance = 0.03; ///< m above or below the ground z = 0; no torque depends on that height
+  double residual_tolerance = 1e-3;       ///< share of the weight, or of weight × leg length; see solve_torques
+  bool project = false;                   ///< answer the nearest motion that keeps its contacts, projection.h
+  OnExcess limits = OnExcess::flag;       ///< torque limits
+  OnExcess rate_limits = OnExcess::flag;  ///< torque-rate limits
 };
 
 /// FNV-1a of the settings; never 0.

@@ -243,6 +243,7 @@ Config read_config(std::string_view text, const std::string& file)
   answers.contact_speed_tolerance = table.magnitude("contact_speed_tolerance", answers.contact_speed_tolerance);
   answers.contact_tolerance = table.magnitude("contact_tolerance", answers.contact_tolerance);
   answers.sole_tilt_tolerance = table.magnitude("sole_tilt_tolerance", answers.sole_tilt_tolerance);
+  answers.contact_height_tolerance = table.magnitude("contact_height_tolerance", answers.contact_height_tolerance);
   answers.residual_tolerance = table.magnitude("residual_tolerance", answers.residual_tolerance);
   answers.limits = read_on_excess(table, "limits", answers.limits, true);
   answers.rate_limits = read_on_excess(table, "rate_limits", answers.rate_limits, true);
@@ -267,7 +268,7 @@ std::string to_toml(const Config& config)
   const auto f_min = methods.constrained.f_min;
   return fmt::format(R"(# configuration of torqued
 
-robot = {}
+robot = {}  # a robot that ships, or a .toml or .urdf file; '': --robot must say it
 lcm_url = {}  # '': LCM_DEFAULT_URL, or LCM's own default
 prefix = {}  # stands before each channel's name
 log_level = {}
@@ -280,6 +281,7 @@ consistency = {}  # a motion that contradicts its contacts: flag or refuse
 contact_speed_tolerance = {}  # m/s, rad/s
 contact_tolerance = {}  # m/s^2, rad/s^2
 sole_tilt_tolerance = {}  # rad
+contact_height_tolerance = {}  # m above or below the ground z = 0
 residual_tolerance = {}  # under-actuated motion: share of the weight, or of weight x leg length
 limits = {}  # torque limits: flag, refuse or clamp
 rate_limits = {}  # torque-rate limits: flag, refuse or clamp
@@ -317,9 +319,9 @@ fade = {}  # 0 to 0.5: share of the double support in which each end passes into
                      quoted(config.robot), quoted(config.lcm_url), quoted(config.prefix), quoted(config.log_level),
                      config.every_sample, config.max_age, config.deadline, quoted(name_of(answers.methods.method)),
                      quoted(word(answers.consistency)), answers.contact_speed_tolerance, answers.contact_tolerance,
-                     answers.sole_tilt_tolerance, answers.residual_tolerance, quoted(word(answers.limits)),
-                     quoted(word(answers.rate_limits)), answers.project, quoted(methods.relax ? "relax" : "refuse"),
-                     shown(methods.pseudo_inverse.weights),
+                     answers.sole_tilt_tolerance, answers.contact_height_tolerance, answers.residual_tolerance,
+                     quoted(word(answers.limits)), quoted(word(answers.rate_limits)), answers.project,
+                     quoted(methods.relax ? "relax" : "refuse"), shown(methods.pseudo_inverse.weights),
                      fmt::format("[{}]", fmt::join(methods.pseudo_inverse.reaction_weights, ", ")),
                      cop ? fmt::format("{}", *cop) : quoted("zmp"), methods.internal_wrench.sigma,
                      shown(methods.internal_wrench.weights), shown(methods.torso_wrench.weights),

@@ -12,7 +12,7 @@ namespace torqued
 /// methods: `method` names the default one, and a table named after a method, [linear_transition], sets it.
 struct Config
 {
-  std::string robot = "ck";  ///< a robot that ships, or a file's path
+  std::string robot;         ///< a robot that ships, or a file's path; empty: none is said
   std::string lcm_url;       ///< empty: LCM's own default, which heeds LCM_DEFAULT_URL
   std::string prefix;        ///< stands before each channel's name
   bool every_sample = false; ///< answer all samples in order instead of the newest

@@ -68,9 +68,11 @@ LcmLoop::LcmLoop(lcm::LCM& bus, const Robot& robot, const Config& config, spdlog
   status_.instance_id = random_id();
   status_.model_id = robot_.model_id;
   status_.settings_id = id;
+  status_.dropped_upper_bound = -1; // not known
   status_.version = TORQUED_VERSION;
   model_ = model_info(robot_, status_.instance_id, id, to_toml(config_));
   // all memory that messages can ever ask for
+  command_.a.reserve(kMaxCoordinates);
   command_.torque.reserve(kMaxJoints);
   rejection_.detail.reserve(256);
   reserve(dynamics_, robot_, parameters_);

@@ -51,12 +51,13 @@ std::optional<Config> configure(int argc, char** argv)
   bool every_sample = false;
   bool print_config = false;
   app.add_option("--robot", robot,
-                 fmt::format("a robot that ships ({}) or a .toml or .urdf file; default: ck",
+                 fmt::format("a robot that ships ({}) or a .toml or .urdf file; no default",
                              fmt::join(shipped_robot_names(), ", ")))
       ->type_name("NAME|FILE");
   app.add_option("--config", file, "a TOML file that sets what flags do not")->type_name("FILE");
   app.add_option("--method", method,
-                 fmt::format("how double support is resolved: {}; default: zmp-transition", fmt::join(methods, ", ")))
+                 fmt::format("how double support is resolved: {}; default: {}", fmt::join(methods, ", "),
+                             name_of(MethodSettings{}.method)))
       ->type_name("NAME");
   app.add_option("--lcm-url", lcm_url, "the bus; default: LCM_DEFAULT_URL, or LCM's own default")->type_name("URL");
   app.add_option("--prefix", prefix, "stands before each channel's name")->type_name("TEXT");
@@ -130,6 +131,10 @@ int end_by_signal()
 
 int serve(const Config& config)
 {
+  if (config.robot.empty())
+    throw Exit{EX_CONFIG, fmt::format("no robot is said: say --robot NAME|FILE, or robot = \"NAME\" in the file of "
+                                      "--config (robots that ship: {})",
+                                      fmt::join(shipped_robot_names(), ", "))};
   const Robot robot = load_robot(config.robot);
   check_fits(config, robot);
   const int stop_fd = end_by_signal();
@@ -157,6 +162,8 @@ int serve(const Config& config)
   }
   log->info("answering {} on {}TORQUED_DESIRED, {:.1f} kg, {} joints, method {}", robot.name, config.prefix,
             robot.mechanism.mass(), robot.num_joints(), name_of(config.answers.methods.method));
+  for (const std::string& note : robot.notes)
+    log->warn(note);
   if (std::none_of(robot.feet.begin(), robot.feet.end(), [](const Foot& foot) { return foot.exists(); }))
     log->warn("{} has no feet: no contact with the ground is possible; a TOML file with [[foot]] tables gives it some",
               robot.name);

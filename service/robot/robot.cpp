@@ -3,6 +3,7 @@
 #include "planar/kinematics.h"
 #include "robot/fnv.h"
 #include "robot/strict_toml.h"
+#include "robot/urdf_unread.h"
 
 #include <Eigen/LU>
 #include <algorithm>
@@ -48,6 +49,9 @@ public:
     check_magnitudes(robot);
     fold_motors(robot);
     robot.model_id = model_id(robot);
+    robot.notes = description_.notes;
+    for (const RobotDescription::UnreadEntry& entry : description_.unread)
+      robot.notes.push_back(note_of(entry));
     return robot;
   }
 
@@ -555,6 +559,8 @@ private:
            {actuator.kappa, actuator.torque_limit, actuator.rate_limit, actuator.rotor_inertia, actuator.coulomb,
             actuator.viscous, actuator.stribeck, actuator.stribeck_velocity, actuator.friction_offset})
         hash.add(number);
+      if (actuator.stick_velocity != 0.0) // a robot without it keeps the id that it had before there was one
+        hash.add(actuator.stick_velocity);
     }
     for (const Foot& foot : robot.feet)
     {

@@ -23,7 +23,7 @@ inline constexpr int kMaxLinks = 24;
 /// The most actuators: one for each member of θ.
 inline constexpr int kMaxJoints = kMaxCoordinates;
 /// The most characters of a name.
-inline constexpr std::size_t kLongestName = 32;
+inline constexpr std::size_t kLongestName = 64;
 /// Whether a text can be a name: letters, digits, _ and -, because names stand in CSV headers and in messages.
 bool is_name(std::string_view text);
 /// One number per actuator.
@@ -128,6 +128,7 @@ struct Actuator
   double stribeck = 0.0;          ///< κ_s, N m
   double stribeck_velocity = 1.0; ///< η_s, rad/s; positive
   double friction_offset = 0.0;   ///< κ_o, N m
+  double stick_velocity = 0.0;    ///< half the width of the window in which sgn is a straight line, rad/s; 0: none
   double offset = 0.0;            ///< what its coordinate adds to its angle, rad
 };
 
@@ -199,6 +200,8 @@ struct Robot
   int trunk = -1;
   std::vector<std::optional<Side>> leg = {}; ///< of each link: whose leg it is part of
   std::int64_t model_id = 0; ///< FNV-1a of everything above that is more than a comment or a drawing; never 0
+  /// What the user should know about how the robot's file was read: a line each, which begins with the file's name.
+  std::vector<std::string> notes = {};
 
   int num_joints() const { return static_cast<int>(actuators.size()); }
   /// Coordinates, the base point and a fixed root not among them.
@@ -255,6 +258,14 @@ template <typename Force> VectorJ joint_torques(const Robot& robot, const Force&
 /// B: the whole matrix, num_q() × num_joints(); the rows of the base point are zero.
 Bounded<kMaxCoordinates, kMaxJoints> input_matrix(const Robot& robot);
 
+/// A number of a URDF that would change torques and that no robot takes from there, because a TOML file says it.
+struct UnreadValue
+{
+  std::string element, attribute; ///< attribute: empty if the element has none that says more
+  std::string value;
+  std::string_view key; ///< of an [[actuator]]; empty: nothing of ours says it
+};
+
 /// What a robot file says, names not yet resolved. Lines are those of the file, for complaints.
 struct RobotDescription
 {
@@ -280,6 +291,14 @@ struct RobotDescription
     std::string link;
     int line;
   };
+  /// What a URDF says of a joint's motor.
+  struct UnreadEntry
+  {
+    std::string joint, on, against; ///< the links between which the joint's actuator acts
+    std::vector<UnreadValue> values;
+    std::string file;
+    int line;
+  };
 
   std::string file;
   std::string name, source;
@@ -289,9 +308,12 @@ struct RobotDescription
   std::vector<ActuatorEntry>
       actuators;               ///< if empty: one for each joint that moves, turning the child against its parent
   std::vector<FootEntry> feet; ///< two; one or two, one of them on the root, if that is fixed; or none
+  std::vector<UnreadEntry> unread = {};
+  std::vector<std::string> notes = {}; ///< what to know about how the file was read, a line each
 };
 
-/// Builds a robot. Throws FileError (strict_toml.h) with file, line and what would be right.
+/// Builds a robot; its notes are the description's, and one for each unread entry. Throws FileError (strict_toml.h)
+/// with file, line and what would be right.
 ///
 /// Its leg length is the distance from the base point to the ankle of the straight robot (all angles 0), the longer
 /// leg's; with a fixed root, or without feet, the longest way along the links from the base point to a centre of mass,
@@ -308,9 +330,14 @@ Robot read_toml_robot(std::string_view text, const std::string& file);
 /// file's order; gravity is 9.81. Throws FileError.
 ///
 /// A revolute, continuous, prismatic or fixed joint is read as what it is. All turning axes must be parallel to ±y of
-/// the root when all joints are at 0, and so must those along which something slides. A link that is no child is the
-/// root: it floats. If it is called "world" it stands for the world, and has one child, the root, by a joint that is
-/// floating or fixed.
+/// the root when all joints are at 0, and so must those along which something slides. Exporters round angles: a frame
+/// or an axis within 10⁻⁴ rad of the plane is turned into it by the smallest angle, and a note says how far.
+///
+/// Root: a link that is no child floats. If it is called "world", which need not be declared, it stands for the world
+/// and has one child, the root, by a joint that is floating, planar about y, or fixed. The root floats, too, at the end
+/// of two prismatic joints in the plane and one that turns about y, in any order, from the world or another link that
+/// is no child; like a link that carries the root by a floating or planar joint, all links there must have no mass, and
+/// are none of the robot's. What is fixed to the world and moves nothing is passed over.
 ///
 /// Frames: all are turned so that they are aligned with the world's (without one, with the root's) when all joints are
 /// at 0, and projected on the x-z plane; no constant angles remain. What lies sideways does not enter planar dynamics
@@ -327,9 +354,14 @@ Robot read_toml_robot(std::string_view text, const std::string& file);
 /// child, and B by r_p / (r_p + r_c); so if B mimics A the multiplier is r_p / r_c, else it is r_c / r_p. The bar is no
 /// link, and the actuator is named after the joint that mimics nothing. Any other mimic is refused.
 ///
-/// Limits and friction of a URDF's joints (<limit>, <dynamics>, <safety_controller>), its <transmission> and what is
-/// only seen or touched (<visual>, <collision>, <material>, <gazebo>, …) are not read: limits, friction, rotors and
-/// feet come from a TOML file that names the URDF, and are otherwise none.
+/// Limits and friction of a URDF's joints (<limit>, <dynamics>, <safety_controller>), and gears and rotors of its
+/// <transmission>, are not read: limits, friction, rotors and feet come from a TOML file that names the URDF, and are
+/// otherwise none. A note names what is there and would change torques, unless the TOML says it: friction (coulomb) and
+/// damping (viscous), effort (torque_limit), and N and I of a gear (rotor_inertia, N² I).
+///
+/// What is only seen or touched (<visual>, <collision>, <material>) is passed over, and so are elements and attributes
+/// that URDF does not have (<mujoco>, <gazebo>, <drake:…>, …), which one note lists; but not those whose name speaks of
+/// mechanics (<loop_joint>, <force_element>, …) or looks like a slip of the pen (<inertail>), which are refused.
 RobotDescription read_urdf(std::string_view text, const std::string& file);
 
 /// Reads a robot without feet from a URDF as such. Throws FileError; a fixed root, too, needs a TOML file, which says

@@ -130,6 +130,7 @@ void add_actuators(Writer& toml, const Robot& robot, Frames frames)
     add_unless("stribeck", actuator.stribeck, 0.0);
     add_unless("stribeck_velocity", actuator.stribeck_velocity, 1.0);
     add_unless("friction_offset", actuator.friction_offset, 0.0);
+    add_unless("stick_velocity", actuator.stick_velocity, 0.0);
   }
 }
 

@@ -159,6 +159,8 @@ void StrictElement::numbers(std::string_view key, const tinyxml2::XMLAttribute& 
   for (int i = 0; i < count && good; ++i)
   {
     const bool separated = skip_space() || i == 0;
+    if (end - at >= 2 && at[0] == '+' && at[1] != '-') // from_chars() takes no plus
+      ++at;
     const auto [next, error] = std::from_chars(at, end, values[i]);
     good = separated && error == std::errc() && std::isfinite(values[i]);
     at = next;
@@ -237,21 +239,21 @@ void StrictElement::skip(const std::vector<std::string_view>& names)
   skipped_.insert(skipped_.end(), names.begin(), names.end());
 }
 
-void StrictElement::skip_namespaces()
+void StrictElement::finish() const
 {
-  for (const auto* attribute = element_->FirstAttribute(); attribute; attribute = attribute->Next())
-    if (const std::string_view name = attribute->Name(); name == "xmlns" || name.starts_with("xmlns:"))
-      skipped_.emplace_back(name);
+  finish([](const tinyxml2::XMLAttribute&) { return false; }, [](const tinyxml2::XMLElement&) { return false; });
 }
 
-void StrictElement::finish() const
+void StrictElement::finish(const std::function<bool(const tinyxml2::XMLAttribute&)>& harmless_attribute,
+                           const std::function<bool(const tinyxml2::XMLElement&)>& harmless_element) const
 {
   const auto holds = [](const std::vector<std::string>& names, std::string_view name)
   {
     return std::find(names.begin(), names.end(), name) != names.end();
   };
   for (const auto* attribute = element_->FirstAttribute(); attribute; attribute = attribute->Next())
-    if (!holds(attributes_, attribute->Name()) && !holds(skipped_, attribute->Name()))
+    if (!holds(attributes_, attribute->Name()) && !holds(skipped_, attribute->Name()) &&
+        !harmless_attribute(*attribute))
       fail(attribute->Name(), attributes_.empty()
                                   ? std::string("is not known here; no attribute is")
                                   : fmt::format("is not known here; known are: {}", fmt::join(attributes_, ", ")));
@@ -267,6 +269,8 @@ void StrictElement::finish() const
     if (shown.starts_with("xacro:"))
       fail_at(node->GetLineNum(), {},
               fmt::format("found <{}>; expected a URDF: run the file through xacro first", shown));
+    if (harmless_element(*node->ToElement()))
+      continue;
     fail_at(node->GetLineNum(), {},
             elements_.empty()
                 ? fmt::format("<{}> is not known here; no element is", shown)

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <functional>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -24,8 +25,8 @@ void parse_xml(std::string_view text, const std::string& file, tinyxml2::XMLDocu
 /// which refuses all others.
 ///
 /// Every function throws FileError if the value is missing (where no fallback is given) or not exactly what was asked
-/// for. A number is a decimal one and finite; a list of numbers is separated by white space and has nothing else in it.
-/// The document and the file name must outlive the reader.
+/// for. A number is a decimal one, with or without a sign, and finite; a list of numbers is separated by white space
+/// and has nothing else in it. The document and the file name must outlive the reader.
 class StrictElement
 {
 public:
@@ -45,8 +46,6 @@ public:
   std::vector<StrictElement> children(std::string_view name);
   /// Attributes and elements that may be there and are not read, nor what is in them.
   void skip(const std::vector<std::string_view>& names);
-  /// Attributes that declare a namespace.
-  void skip_namespaces();
 
   void set_context(std::string context) { context_ = std::move(context); }
   int line() const { return element_->GetLineNum(); }
@@ -54,6 +53,11 @@ public:
   [[noreturn]] void fail(std::string_view key, const std::string& message) const;
   /// Refuses an element that holds text, or an attribute or element that nobody asked for.
   void finish() const;
+  /// The same, but for attributes and elements of which `harmless` says that they may be there.
+  void finish(const std::function<bool(const tinyxml2::XMLAttribute&)>& harmless_attribute,
+              const std::function<bool(const tinyxml2::XMLElement&)>& harmless_element) const;
+  /// The element itself, for what is looked at and not checked.
+  const tinyxml2::XMLElement& xml() const { return *element_; }
 
 private:
   const tinyxml2::XMLAttribute* find(std::string_view key);

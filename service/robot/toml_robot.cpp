@@ -1,6 +1,7 @@
 #include "robot/printable.h"
 #include "robot/robot.h"
 #include "robot/strict_toml.h"
+#include "robot/urdf_unread.h"
 
 #include <algorithm>
 #include <cmath>
@@ -18,7 +19,8 @@ std::string name(StrictTable& table, std::string_view key, std::optional<std::st
 {
   const std::string text = table.text(key, std::move(fallback));
   if (!is_name(text))
-    table.fail(key, fmt::format("found \"{}\"; expected 1 to {} letters, digits, _ or -", printable(text, kLongestName),
+    table.fail(key, fmt::format("found \"{}\"{}; expected 1 to {} letters, digits, _ or -", printable(text),
+                                text.size() > kLongestName ? fmt::format(" of {} characters", text.size()) : "",
                                 kLongestName));
   return text;
 }
@@ -29,7 +31,7 @@ std::array<std::string, 2> read_base(StrictTable& table, const std::array<std::s
   for (const std::string& text : names)
     if (!is_name(text))
       table.fail("base", fmt::format("found \"{}\"; expected two names of 1 to {} letters, digits, _ or -",
-                                     printable(text, kLongestName), kLongestName));
+                                     printable(text), kLongestName));
   return names;
 }
 
@@ -110,6 +112,8 @@ void read_links_of_urdf(StrictTable& table, const std::string& file, RobotDescri
   description.name = urdf.name;
   description.links = urdf.links;
   description.actuators = urdf.actuators;
+  description.unread = urdf.unread;
+  description.notes = urdf.notes;
   for (auto& entry : description.links)
     entry.file = shown;
   for (auto& entry : description.actuators)
@@ -171,6 +175,7 @@ RobotDescription::ActuatorEntry read_actuator(StrictTable& table)
   if (!(actuator.stribeck_velocity > 0.0))
     table.fail("stribeck_velocity", fmt::format("found {}; expected a positive number", actuator.stribeck_velocity));
   actuator.friction_offset = table.number("friction_offset", 0.0);
+  actuator.stick_velocity = table.magnitude("stick_velocity", 0.0);
   table.finish();
   return entry;
 }
@@ -222,7 +227,11 @@ Robot read_toml_robot(std::string_view text, const std::string& file)
   if (!actuators.empty())
     description.actuators.clear();
   for (StrictTable& actuator : actuators)
+  {
     description.actuators.push_back(read_actuator(actuator));
+    forget_unread(description, description.actuators.back(),
+                  [&actuator](std::string_view key) { return actuator.has(key); });
+  }
   for (StrictTable& foot : table.tables("foot", "foot"))
     description.feet.push_back(read_foot(foot));
   table.finish();

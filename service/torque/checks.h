@@ -22,6 +22,9 @@ inline constexpr std::int32_t inconsistent = 64;
 inline constexpr std::int32_t late = 128;
 inline constexpr std::int32_t over_rate = 256;
 inline constexpr std::int32_t projected = 512;
+inline constexpr std::int32_t adjusted = 1024;
+inline constexpr std::int32_t contact_acceleration = 2048;
+inline constexpr std::int32_t prior = 4096;
 } // namespace flag
 
 /// What the ground does to a foot; ground on robot, world frame.

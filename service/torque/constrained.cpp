@@ -35,7 +35,7 @@ template <typename Add>
 void for_each_condition(const Robot& robot, const SupportEquations& equations, const Support& support,
                         const Constrained& settings, const Add& add)
 {
-  const double p = support.phase;
+  const double p = support.progress();
   const double F_z = equations.force().y();
   const double per_weight = 1.0 / robot.weight();
   const bool leading_sole = support.of(support.leading) == Contact::sole;

@@ -22,11 +22,12 @@ namespace torqued
 /// reactions are taken.
 ///
 /// With constant bounds torques jump where contacts change. `windows` close on both sides of a change on what both
-/// sides can do, so that no torque jumps; p = phase, F_z the total normal force:
+/// sides can do, so that no torque jumps; p = phase, s = load_transfer, F_z the total normal force:
 ///
 /// - trailing sole, leading point: leading f_z ≤ p F_z; trailing pressure not behind p of its sole (0 = heel, 1 = toe)
 /// - trailing point, leading sole: trailing f_z ≤ (1 − p) F_z; leading pressure not before p of its sole
-/// - two soles: leading f_z ≤ min(1, 2p) F_z; trailing f_z ≤ min(1, 2 (1 − p)) F_z
+/// - two soles: leading f_z ≤ min(1, 2s) F_z; trailing f_z ≤ min(1, 2 (1 − s)) F_z; at s = 1/2, where both are free,
+///   a posture that is not symmetric loads its feet unequally
 /// - two points: none
 ///
 /// f_min of the foot whose load a window bounds is no more than that bound.

@@ -6,6 +6,7 @@
 
 #include "planar/kinematics.h"
 
+#include <algorithm>
 #include <optional>
 
 namespace torqued
@@ -54,6 +55,15 @@ struct FootPose
   const Eigen::Vector2d& point(Contact contact) const
   {
     return contact == Contact::heel ? heel : contact == Contact::toe ? toe : ankle;
+  }
+  /// Height above the ground z = 0 of the contact's nearest point, m: the heel, the toe; of a sole, 0 where the line
+  /// from heel to toe crosses the ground. Requires: a contact.
+  double height(Contact contact) const
+  {
+    if (contact != Contact::sole)
+      return point(contact).y();
+    const auto [low, high] = std::minmax({heel.y(), toe.y()});
+    return low > 0.0 ? low : std::min(high, 0.0);
   }
 };
 

@@ -49,10 +49,12 @@ struct Support
   std::array<Contact, 2> contact; ///< indexed by Side
   Side leading;
   double load_transfer; ///< 0..1 over the whole double support: 0 = on the trailing foot, 1 = on the leading one
-  double phase;         ///< 0..1 within the present contact pair
+  double phase;         ///< 0..1 within the present pair of a sole and a point
 
   Contact of(Side side) const { return contact[static_cast<std::size_t>(side)]; }
   Side trailing() const { return other(leading); }
+  /// How far the present handing over of the load has come, 0..1: load_transfer on two soles, else phase.
+  double progress() const { return contact[0] == Contact::sole && contact[1] == Contact::sole ? load_transfer : phase; }
   /// Where a foot's components begin.
   int row(Side side) const { return side == Side::left ? 0 : torqued::wrench_components(contact[0]); }
   int wrench_components() const
@@ -73,6 +75,8 @@ struct DesiredState
   Method method;          ///< none: the daemon's setting
   Support support;
   VectorQ q, v, a; ///< angles, then the base point's x and z
+  /// a as it was sent in RELATIVE coordinates, without the base point; empty if it was sent in ABSOLUTE ones.
+  VectorQ relative_a = {};
 };
 
 } // namespace torqued

@@ -40,7 +40,8 @@ Result<SupportEquations> support_equations(const Robot& robot, const DesiredStat
   if (robot.joint_friction)
     equations.r.head(mechanism.num_theta()) += joint_forces(robot, joint_friction(robot, desired.v, desired.a));
 
-  double speed = 0.0, residual = 0.0, tilt = 0.0;
+  double speed = 0.0, residual = 0.0, tilt = 0.0, height = 0.0;
+  Side farthest = Side::left;
   for (const Side side : kSides)
   {
     const Contact contact = support.of(side);
@@ -50,6 +51,11 @@ Result<SupportEquations> support_equations(const Robot& robot, const DesiredStat
     const Foot& foot = robot.feet[index];
     const StandingFoot& standing = equations.standing[index];
     equations.feet[index] = foot_pose(robot, now, foot, now.base + standing.ankle);
+    if (const double own = equations.feet[index].height(contact); std::abs(own) > std::abs(height))
+    {
+      height = own;
+      farthest = side;
+    }
 
     // what should be at rest
     const auto raise = [](double& largest, double x)
@@ -70,6 +76,8 @@ Result<SupportEquations> support_equations(const Robot& robot, const DesiredStat
   equations.contact_speed = speed;
   equations.contact_residual = residual;
   equations.sole_tilt = tilt;
+  equations.contact_height = height;
+  equations.farthest = farthest;
   return result;
 }
 

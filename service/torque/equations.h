@@ -36,6 +36,8 @@ struct SupportEquations
   double contact_speed;    ///< largest |J v|: what should be at rest, m/s or rad/s
   double contact_residual; ///< largest |J a + J̇ v|, m/s² or rad/s²
   double sole_tilt;        ///< largest angle of a foot that stands on its sole, rad
+  double contact_height;   ///< FootPose::height() of the contact farthest from the ground, m
+  Side farthest;           ///< that contact's foot
 
   const Eigen::Vector2d& base() const { return now.base; }
   const FootPose& foot(Side side) const { return feet[static_cast<std::size_t>(side)]; }

@@ -54,27 +54,33 @@ Result<Reactions> human_transition(const Robot& robot, const SupportEquations& e
   const Eigen::Vector2d x_f =
       leading_sole ? along_sole(leading, away * settings.leading_cop) : leading.point(support.of(support.leading));
 
-  const Eigen::Vector2d F = equations.force();
-  const double load_on_lever = (x_f.x() - x_r.x()) * F.y();
-  const double nothing = kNoLoad * robot.weight() * robot.leg_length;
-  const double by_lever = share_of(equations.moment_about_origin() - x_r.x() * F.y(), load_on_lever, nothing).s;
-  const double time_weight = away * settings.time_weight;
-  const double by_both = (1.0 - time_weight) * by_lever + time_weight * s;
-  const double sigma = begun * (1.0 - unfinished * (1.0 - by_both));
+  // feet side by side: no step that a force could be handed over
+  if (both && x_f.x() < x_r.x())
+    return linear_transition(robot, equations, support, {});
 
   // the line from the trailing foot to the centre of mass; of a robot that lies on the ground there is none
   const Eigen::Vector2d line = centre_of_mass(robot.mechanism, equations.now) - x_r;
   const double friction = robot.foot(support.trailing()).friction;
   const double slope =
       line.y() > kCoincident * robot.leg_length ? std::clamp(line.x() / line.y(), -friction, friction) : 0.0;
+
+  // the trailing foot's share balances, along that line, the moments about the leading foot's point
+  const Eigen::Vector2d F = equations.force();
+  const double load_on_lever = cross(Eigen::Vector2d(x_r - x_f), Eigen::Vector2d(slope, 1.0)) * F.y();
+  const double nothing = kNoLoad * robot.weight() * robot.leg_length;
+  const double by_lever = 1.0 - share_of(equations.moment_about_origin() - cross(x_f, F), load_on_lever, nothing).s;
+  const double time_weight = away * settings.time_weight;
+  const double by_both = (1.0 - time_weight) * by_lever + time_weight * s;
+  const double sigma = begun * (1.0 - unfinished * (1.0 - by_both));
+
   const double trailing_fz = (1.0 - sigma) * F.y();
   const double trailing_fx = begun * trailing_fz * slope + (1.0 - begun) * F.x();
 
   Result<Reactions> result = share_load(robot, equations, support,
                                         {.leading_force = F - Eigen::Vector2d(trailing_fx, trailing_fz),
                                          .s = sigma,
-                                         .leading = between(x_f, leading.toe),
-                                         .trailing = between(trailing.heel, x_r),
+                                         .leading = {x_f, leading.toe},
+                                         .trailing = {trailing.heel, x_r},
                                          .trailing_takes_rest = false});
   if (Reactions* reactions = std::get_if<Reactions>(&result))
     reactions->clamped = std::abs(load_on_lever) < nothing;

@@ -5,9 +5,22 @@
 namespace torqued
 {
 
+namespace
+{
+
+// sgn_s
+double sign_of(double rate, double stick_velocity)
+{
+  if (std::abs(rate) < stick_velocity)
+    return rate / stick_velocity;
+  return rate > 0.0 ? 1.0 : rate < 0.0 ? -1.0 : 0.0;
+}
+
+} // namespace
+
 double joint_friction(const Actuator& actuator, double rate, double acceleration)
 {
-  const double sign = rate > 0.0 ? 1.0 : rate < 0.0 ? -1.0 : 0.0;
+  const double sign = sign_of(rate, actuator.stick_velocity);
   const double slow = rate / actuator.stribeck_velocity;
   return actuator.rotor_inertia * acceleration + actuator.coulomb * sign + actuator.viscous * rate +
          actuator.stribeck * sign * std::exp(-slow * slow) + actuator.friction_offset;

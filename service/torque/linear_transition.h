@@ -35,13 +35,15 @@ Result<Reactions> linear_transition(const Robot& robot, const SupportEquations& 
 /// From a trailing sole and a leading heel to a trailing toe and a leading sole the reactions can only be continuous
 /// where the trailing foot presses at its toe and the leading one at its heel; there the leading foot's share is
 ///
-///   s* = (x_zmp − x_toe) / (x_heel − x_toe)          toe of the trailing, heel of the leading foot
+///   s* = M_toe / (r × F)          M_toe: moment of the total force F about the trailing foot's toe; r: from there to
+///                                 the leading foot's heel
 ///
-/// so the share is led through it, p = phase, each instant with its own s*:
+/// (x_zmp − x_toe) / (x_heel − x_toe) where both are at the height z = 0; so the share is led through it, p = phase,
+/// each instant with its own s*:
 ///
 /// - trailing sole, leading point: s = p s*
 /// - trailing point, leading sole: s = s* + p (1 − s*)
-/// - two soles: s = p
+/// - two soles: s = load_transfer
 /// - two points: normal forces by (2); s, the leading foot's share of them, splits the horizontal force, too
 ///
 /// and the rest is as in linear_transition(), the pressure on two soles following the zero-moment point. s* is clamped

@@ -9,51 +9,40 @@ namespace torqued
 namespace
 {
 
-double clamp(double x, const Interval& interval)
-{
-  return std::clamp(x, interval.from, interval.to);
-}
-
-Interval times(const Interval& interval, double factor)
-{
-  return factor < 0.0 ? Interval{factor * interval.to, factor * interval.from}
-                      : Interval{factor * interval.from, factor * interval.to};
-}
-
 // What the leading and the trailing foot take of the total moment about the world's origin, both on their soles.
-//
-// On level soles a foot's moment about the origin is x_c f_z, with x_c its centre of pressure: a moment within
-// sole × f_z keeps the pressure inside the sole.
 struct Moments
 {
   double leading, trailing;
 };
 
+// The moment nearest to m by which a force presses on a stretch of a sole; moments about the world's origin.
+double within(double m, const Stretch& stretch, const Eigen::Vector2d& force)
+{
+  const auto [least, most] = std::minmax({cross(stretch.from, force), cross(stretch.to, force)});
+  return std::clamp(m, least, most);
+}
+
 Moments moments_of_soles(const SupportEquations& equations, const Support& support, const LoadSharing& sharing,
                          double no_load)
 {
-  const double F_z = equations.force().y();
+  const Eigen::Vector2d F = equations.force();
   const double m = equations.moment_about_origin();
-  const double leading_load = sharing.leading_force.y();
-  const double trailing_load = F_z - leading_load;
+  const Eigen::Vector2d trailing_force = F - sharing.leading_force;
 
-  const double p =
-      std::abs(F_z) < no_load ? 0.5 * (sharing.trailing.from + sharing.trailing.to) : clamp(m / F_z, sharing.trailing);
-  const double m_f = clamp(m - trailing_load * p, times(sharing.leading, leading_load));
+  // where the line of F meets the trailing foot's stretch, or the end nearest to that
+  const Eigen::Vector2d along = sharing.trailing.to - sharing.trailing.from;
+  const double share = share_of(m - cross(sharing.trailing.from, F), cross(along, F), no_load * along.norm()).s;
+  const Eigen::Vector2d p = sharing.trailing.from + share * along;
+  const double m_f = within(m - cross(p, trailing_force), sharing.leading, sharing.leading_force);
   if (sharing.trailing_takes_rest)
     return {m_f, m - m_f};
   const FootPose& trailing = equations.foot(support.trailing());
-  const double m_r = clamp(m - m_f, times(between(trailing.heel, trailing.toe), trailing_load));
+  const double m_r = within(m - m_f, {trailing.heel, trailing.toe}, trailing_force);
   const double R = m - m_f - m_r;
   return {m_f + sharing.s * R, m_r + (1.0 - sharing.s) * R};
 }
 
 } // namespace
-
-Interval between(const Eigen::Vector2d& a, const Eigen::Vector2d& b)
-{
-  return {std::min(a.x(), b.x()), std::max(a.x(), b.x())};
-}
 
 Result<Reactions> share_load(const Robot& robot, const SupportEquations& equations, const Support& support,
                              const LoadSharing& sharing)

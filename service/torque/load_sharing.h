@@ -7,21 +7,18 @@
 namespace torqued
 {
 
-/// From one world x to another, m, or between two moments, N m; from <= to.
-struct Interval
+/// A stretch of a sole, from one point in the world to another, m.
+struct Stretch
 {
-  double from, to;
+  Eigen::Vector2d from, to;
 };
-
-/// Along x, whichever point is before the other.
-Interval between(const Eigen::Vector2d& a, const Eigen::Vector2d& b);
 
 /// How two feet share the total ground force F.
 struct LoadSharing
 {
   Eigen::Vector2d leading_force; ///< N; the trailing foot's is F less this. Between two points: its x only
   double s;                      ///< 0..1, the leading foot's share of a moment that no sole can hold
-  Interval leading, trailing;    ///< world x between which a sole's centre of pressure is to be
+  Stretch leading, trailing;     ///< of a sole: where its centre of pressure is to be
   bool trailing_takes_rest;      ///< two soles: the moment that is left over, be its sole long enough or not
 };
 
@@ -29,9 +26,11 @@ struct LoadSharing
 ///
 /// - sole and point: the sole's moment follows from (2).
 /// - point and point: (2) determines the normal forces; refused as numerical when the points stand above one another.
-/// - sole and sole: the trailing foot presses as near to the total zero-moment point as `trailing` lets it, the leading
-///   foot takes what is left of the moment within `leading`, and the trailing foot the rest as far as its whole sole
-///   allows. What no sole can hold is shared by s.
+/// - sole and sole: the trailing foot presses where the line of F meets its sole, as near as `trailing` lets it (in its
+///   middle where F is without load), the leading foot takes what is left of the moment within `leading`, and the
+///   trailing foot the rest as far as its whole sole allows. What no sole can hold is shared by s.
+///
+/// All levers are between points of the robot, so that nothing depends on where the world's zero is.
 Result<Reactions> share_load(const Robot& robot, const SupportEquations& equations, const Support& support,
                              const LoadSharing& sharing);
 

@@ -18,7 +18,7 @@ struct Gap
 {
   WrenchVector phi; // m, rad
   Side worst = Side::left;
-  ContactErrors errors{}; // position and tilt
+  ContactErrors errors{}; // position, height and tilt
 };
 
 Gap gap(const Robot& robot, const Kinematics& now, const Support& support, const Footholds& footholds)
@@ -35,6 +35,11 @@ Gap gap(const Robot& robot, const Kinematics& now, const Support& support, const
     place.y() = position(now, contact_point(foot, contact)).y() - height;
     if (const auto& x = footholds[static_cast<std::size_t>(side)])
       place.x() = foothold(robot, now, side, contact) - *x;
+    if (const double above = foot_pose(robot, now, foot).height(contact); std::abs(above) > std::abs(gap.errors.height))
+    {
+      gap.errors.height = above;
+      gap.errors.farthest = side;
+    }
     if (place.norm() > gap.errors.position)
     {
       gap.errors.position = place.norm();

@@ -9,10 +9,12 @@ namespace torqued
 /// How far a motion is from its contacts; all 0 if it keeps them.
 struct ContactErrors
 {
-  double position = 0.0;     ///< largest distance of a contact point from its place, m
-  double tilt = 0.0;         ///< largest angle of a foot that stands on its sole, rad
-  double speed = 0.0;        ///< largest |J v|, m/s or rad/s
-  double acceleration = 0.0; ///< largest |J a + J̇ v|, m/s² or rad/s²
+  double position = 0.0;      ///< largest distance of a contact point from its place, m
+  double height = 0.0;        ///< FootPose::height() of the contact farthest from the ground, m
+  Side farthest = Side::left; ///< that contact's foot
+  double tilt = 0.0;          ///< largest angle of a foot that stands on its sole, rad
+  double speed = 0.0;         ///< largest |J v|, m/s or rad/s
+  double acceleration = 0.0;  ///< largest |J a + J̇ v|, m/s² or rad/s²
 };
 
 /// World x of each foot's heel as it is, or was, or will be when the foot is flat at its place: while a foot rolls from

@@ -109,6 +109,7 @@ void add_motor_parameters(const Robot& robot, const std::array<MotorField, N>& f
         continue;
       Actuator motor;
       motor.stribeck_velocity = actuator.stribeck_velocity;
+      motor.stick_velocity = actuator.stick_velocity;
       motor.*value = 1.0;
       parameters.push_back({fmt::format("{}(motor {})", symbol, actuator.name), actuator.*value,
                             Mechanism(robot.mechanism.W(), {}, robot.mechanism.gravity()), j, motor});

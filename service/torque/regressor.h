@@ -19,8 +19,8 @@ namespace torqued
 /// inertia I, about its frame's origin. Two rules say which of them there are: links to which the file gives the same
 /// numbers are copies of one link (left and right), and what is 0 is no parameter (a centre of mass on the link's
 /// axis). Of what is left, not everything shows in a motion; base parameters are those sums of it that do, as many as
-/// the rank of Y. A motor adds those of I, κ_c, κ_v, κ_s and κ_o that are not 0 (joint_friction.h); η_s is no
-/// parameter, because the equation is not linear in it; a rotor that only turns with a link is part of it.
+/// the rank of Y. A motor adds those of I, κ_c, κ_v, κ_s and κ_o that are not 0 (joint_friction.h); η_s and s
+/// are no parameters, because the equation is not linear in them; a rotor that only turns with a link is part of it.
 struct BaseParameter
 {
   std::string name; ///< e.g. "I(left_shin, right_shin) + 0.1521 m(left_foot, right_foot)"

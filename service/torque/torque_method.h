@@ -41,7 +41,7 @@ std::string_view name_of(Method method);
 /// The settings of each method; zmp_transition has none.
 struct MethodSettings
 {
-  Method method = Method::zmp_transition; ///< used when the desired state asks for none
+  Method method = Method::constrained; ///< used when the desired state asks for none
   PseudoInverse pseudo_inverse;
   LinearTransition linear_transition; ///< of tracked_reaction and tracked_internal, too
   InternalWrench internal_wrench;

@@ -115,7 +115,10 @@ Result<DesiredState> decode_desired_state(Bytes message, const Robot& robot)
   desired.support.contact = {static_cast<Contact>(left_contact), static_cast<Contact>(right_contact)};
   desired.support.leading = static_cast<Side>(leading_foot);
   if (coordinates == desired_state_t::RELATIVE)
+  {
+    desired.relative_a = desired.a.head(angles);
     make_absolute(robot, desired);
+  }
   desired.q.tail<2>() << base_motion[0], base_motion[1];
   desired.v.tail<2>() << base_motion[2], base_motion[3];
   desired.a.tail<2>() << base_motion[4], base_motion[5];
@@ -144,7 +147,12 @@ void fill(torque_command_t& command, const Answer& answer, std::int64_t model_id
   command.dynamics_residual = answer.dynamics_residual;
   command.contact_speed = answer.contact_speed;
   command.contact_residual = answer.contact_residual;
+  command.base_a[0] = answer.base_a.x();
+  command.base_a[1] = answer.base_a.y();
+  command.adjustment = answer.adjustment;
+  command.num_coordinates = static_cast<std::int32_t>(answer.a.size());
   command.num_joints = static_cast<std::int32_t>(answer.torque.size());
+  command.a.assign(answer.a.begin(), answer.a.end());
   command.torque.assign(answer.torque.begin(), answer.torque.end());
 }
 

@@ -32,15 +32,19 @@ struct Answer
   std::int64_t utime = 0, stream_id = 0;
   Method method = Method::none;
   std::int32_t flags = 0;
-  std::array<GroundReaction, 2> ground; ///< indexed by Side
-  double zmp = 0.0;                     ///< m
-  double dynamics_residual = 0.0;       ///< N, N m
-  double contact_speed = 0.0;           ///< m/s, rad/s
-  double contact_residual = 0.0;        ///< m/s², rad/s²
-  VectorJ torque;                       ///< N m
+  std::array<GroundReaction, 2> ground;             ///< indexed by Side
+  double zmp = 0.0;                                 ///< m
+  double dynamics_residual = 0.0;                   ///< N, N m
+  double contact_speed = 0.0;                       ///< m/s, rad/s
+  double contact_residual = 0.0;                    ///< m/s², rad/s²
+  Eigen::Vector2d base_a = Eigen::Vector2d::Zero(); ///< of the base point, m/s²; 0 for a fixed root
+  double adjustment = 0.0;                          ///< largest |a − a desired| among the coordinates, rad/s²
+  VectorQ a;      ///< without the base point, in the coordinates that were sent, rad/s²
+  VectorJ torque; ///< N m
 };
 
-/// Fills a command; all but sequence and compute_ns, which belong to the loop. Allocates only if command.torque grows.
+/// Fills a command; all but sequence and compute_ns, which belong to the loop. Allocates only if command.a or
+/// command.torque grows.
 void fill(torque_command_t& command, const Answer& answer, std::int64_t model_id, std::int64_t settings_id);
 
 /// Fills a rejection. Allocates only if rejection.detail grows.

@@ -33,8 +33,9 @@ bool decode(Bytes bytes, desired_state_t& message)
 bool decode(Bytes bytes, torque_command_t& message)
 {
   Cursor cursor = after_fingerprint<torque_command_t>(bytes);
-  cursor.skip(5 * 8 + 1 + 4 + 2 * 5 * 8 + 4 * 8 + 4);
-  cursor.skip(8 * cursor.count());
+  cursor.skip(5 * 8 + 1 + 4 + 2 * 5 * 8 + 4 * 8 + 4 + 3 * 8);
+  const std::size_t coordinates = cursor.count();
+  cursor.skip(8 * (coordinates + cursor.count()));
   return decode_checked(bytes, cursor, message);
 }
 
@@ -49,7 +50,7 @@ bool decode(Bytes bytes, rejection_t& message)
 bool decode(Bytes bytes, status_t& message)
 {
   Cursor cursor = after_fingerprint<status_t>(bytes);
-  cursor.skip(5 * 8 + 1 + 7 * 8 + 4 + 8 + 5 * 8);
+  cursor.skip(5 * 8 + 1 + 8 * 8 + 4 + 8 + 5 * 8);
   cursor.skip_text();
   return decode_checked(bytes, cursor, message);
 }

@@ -1,8 +1,9 @@
-// Trajectory files: CSV, or logs of LCM, which parse_trajectory() tells by their bytes.
+// Trajectory files: tables, or logs of LCM, which parse_trajectory() tells by their bytes; packed by gzip or not.
 
 #include "require.h"
 
 #include "client/failure.h"
+#include "client/gzip.h"
 #include "client/lcm_log.h"
 #include "client/trajectory.h"
 #include "robot/robot_files.h"
@@ -46,12 +47,9 @@ void check_csv(const Trajectory& trajectory)
   }
 }
 
-} // namespace
-
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size)
+void check_file(std::string_view bytes)
 {
   static const CoordinateNames names = coordinate_names(load_robot("ck"));
-  const std::string_view bytes(reinterpret_cast<const char*>(data), size);
   check_log(bytes);
   for (const bool differentiate : {false, true})
     try
@@ -64,6 +62,23 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     catch (const Failure&)
     {
       // how a file is refused
+    }
+}
+
+} // namespace
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size)
+{
+  const std::string_view bytes(reinterpret_cast<const char*>(data), size);
+  check_file(bytes);
+  if (is_gzip(bytes))
+    try
+    {
+      check_file(unpack_gzip(bytes, "input"));
+    }
+    catch (const Failure&)
+    {
+      // a file that is cut or damaged
     }
   return 0;
 }
