@@ -20,7 +20,7 @@ offers() # EXPECTED WORD... : the last word is the one that is being written
 
 offers 'send status' "$torquectl" s
 offers '--robot --rate' "$torquectl" gait --r
-offers '--loop --lcm-url' "$torquectl" send --l
+offers '--loop --lowpass --lcm-url' "$torquectl" send --l
 offers 'rk rabbit' "$torquectl" gait --robot r
 offers 'constrained' "$torquectl" report walk.csv --method c
 offers '' "$torquectl" send walk

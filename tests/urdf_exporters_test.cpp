@@ -21,8 +21,10 @@ TEST_CASE("a frame turned by a rounded angle gives the numbers of the exact one"
   const std::vector<Rounded> angles{{"1.5708", quarter},   {"1.57079633", quarter}, {"1.5707", quarter},
                                     {"-1.5708", -quarter}, {"3.14159", half},       {"3.1416", half},
                                     {"3.1415", half},      {"-3.14159265", -half}};
-  for (const auto& [angle, exact] : angles)
+  for (const Rounded& rounded : angles)
   {
+    const std::string& angle = rounded.angle;
+    const double exact = rounded.exact;
     CAPTURE(angle);
     const bool is_quarter = std::abs(exact) < 2.0;
     const auto check = [&](const auto& walker_of)

@@ -147,7 +147,9 @@ test('it plays, pauses, steps, and moves by keys, by dragging and by the slider'
   assert.equal(await clock(page), 0.505);
   assert.equal(await page.getAttribute('#time', 'aria-valuetext'), '0.505 s');
 
-  const plot = await page.locator('.plot').first().boundingBox();
+  const first = page.locator('.plot').first();
+  await first.scrollIntoViewIfNeeded();
+  const plot = await first.boundingBox();
   await page.mouse.move(plot.x + 0.3 * plot.width, plot.y + 40);
   await page.mouse.down();
   const before = await clock(page);
