@@ -48,33 +48,27 @@ std::int64_t microseconds(Clock::time_point time)
   return std::chrono::duration_cast<std::chrono::microseconds>(time.time_since_epoch()).count();
 }
 
-// When each desired state is due, and when the next round of them begins; s since the first. One that is due a small
-// share of a step after the one before, which a daemon that answers the newest would pass over then, waits until that
-// is answered, but for no longer than its patience.
+// When each desired state is due, and when the next round of them begins; s since the first.
 struct Schedule
 {
   std::vector<double> due;
-  std::vector<double> patience; // s; 0: is sent when it is due
   double round = 0.0;
+  double patience = 0.0; // s that each waits at most for the answer to the one before, counted from that one's sending
 };
 
-// Patience of desired states less than a tenth of a median step after the one before: a quarter of the time to the
-// next.
-std::vector<double> find_patience(const std::vector<double>& due, double round)
+// Three quarters of a median step, so that samples in equal steps never wait. A daemon answers the newest sample that
+// it has: of two that it finds waiting, because they are due together or the first was sent late, it would pass over
+// the first.
+double find_patience(const std::vector<double>& due)
 {
   std::vector<double> steps;
   for (std::size_t i = 1; i < due.size(); ++i)
     steps.push_back(due[i] - due[i - 1]);
-  std::vector<double> patience(due.size(), 0.0);
   if (steps.empty())
-    return patience;
-  std::vector<double> sorted = steps;
-  const auto median = sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2);
-  std::nth_element(sorted.begin(), median, sorted.end());
-  for (std::size_t i = 1; i < due.size(); ++i)
-    if (steps[i - 1] < 0.1 * *median)
-      patience[i] = 0.25 * ((i + 1 < due.size() ? due[i + 1] : round) - due[i]);
-  return patience;
+    return 0.0;
+  const auto median = steps.begin() + static_cast<std::ptrdiff_t>(steps.size() / 2);
+  std::nth_element(steps.begin(), median, steps.end());
+  return 0.75 * *median;
 }
 
 Schedule make_schedule(const Trajectory& trajectory, const Options& options)
@@ -108,7 +102,7 @@ Schedule make_schedule(const Trajectory& trajectory, const Options& options)
   else if (options.loop)
     throw Failure(ExitCode::usage,
                   fmt::format("--loop needs --rate: {} holds only one desired state", trajectory.file));
-  schedule.patience = find_patience(schedule.due, schedule.round);
+  schedule.patience = find_patience(schedule.due);
   return schedule;
 }
 
@@ -251,6 +245,7 @@ void send_all(Bus& bus, const Channels& channels, const Schedule& schedule, bool
               Ledger& ledger)
 {
   const Clock::time_point start = Clock::now();
+  Clock::time_point sent = start; // when the last one was
   std::vector<std::byte> buffer;
   std::int64_t utime = 0;
   ProgressBar progress;
@@ -265,20 +260,20 @@ void send_all(Bus& bus, const Channels& channels, const Schedule& schedule, bool
         bus.wait(due);
         progress.show(static_cast<double>(i) / static_cast<double>(schedule.due.size()), ledger);
       } while (!bus.stopped() && Clock::now() < due);
-      const auto patience = Clock::now() + std::chrono::duration_cast<Clock::duration>(
-                                               std::chrono::duration<double>(std::min(1.0, schedule.patience[i])));
+      const auto patience = sent + std::chrono::duration_cast<Clock::duration>(
+                                       std::chrono::duration<double>(std::min(1.0, schedule.patience)));
       while (!bus.stopped() && !ledger.settled(utime) && Clock::now() < patience)
         bus.wait(patience);
       if (bus.stopped())
         return;
 
       desired_state_t& state = trajectory.states[i];
-      const Clock::time_point now = Clock::now();
-      utime = std::max(utime + 1, microseconds(now));
+      sent = Clock::now();
+      utime = std::max(utime + 1, microseconds(sent));
       state.utime = utime;
       ledger.sent(utime, trajectory.place(i));
       bus.publish(channels.desired, encode(state, buffer));
-      ledger.give_up(microseconds(now - kPatience));
+      ledger.give_up(microseconds(sent - kPatience));
     }
 }
 
@@ -354,8 +349,10 @@ Subcommand add_send(CLI::App& torquectl)
   app->add_flag("--json", options->json, "print the summary as JSON");
   app->footer(
       "Coordinate names and model_id are those of the daemon that runs. A desired state without an answer within 1 s\n"
-      "counts as lost: it was superseded by a newer one, or did not arrive. Exit code 1 if any was lost or "
-      "rejected, 65 if none was answered\nbut some were rejected, or if FILE names another robot.\n\n"
+      "counts as lost: it was superseded by a newer one, or did not arrive. One that is due less than 3/4 of a median\n"
+      "step after the one before (as where the contacts of a gait change) waits that long for that one's answer. Exit\n"
+      "code 1 if any was lost or rejected, 65 if none was answered but some were rejected, or if FILE names another "
+      "robot.\n\n"
       "Example, in the source directory, on a bus of this machine alone:\n"
       "  export LCM_DEFAULT_URL='udpm://239.255.76.67:7667?ttl=0'\n"
       "  torqued --robot human-subject01 --every-sample & sleep 1\n"
