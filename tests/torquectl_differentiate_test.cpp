@@ -128,14 +128,16 @@ TEST_CASE("times to three decimals change no torque by a newton metre", "[torque
   // the walk at 66.7 Hz
   const TemporaryFolder folder;
   std::string notes;
-  const auto exact = evaluated(folder,
-                               walk_positions(3, [](const std::string& name, std::size_t row, const std::string& cell)
-                                              { return name == "time" ? fmt::format("{:.9f}", row / 60.0) : cell; }),
-                               {}, notes);
-  const auto rounded = evaluated(folder,
-                                 walk_positions(3, [](const std::string& name, std::size_t row, const std::string& cell)
-                                                { return name == "time" ? fmt::format("{:.3f}", row / 60.0) : cell; }),
-                                 {}, notes);
+  const auto exact = evaluated(
+      folder,
+      walk_positions(3, [](const std::string& name, std::size_t row, const std::string& cell)
+                     { return name == "time" ? fmt::format("{:.9f}", static_cast<double>(row) / 60.0) : cell; }),
+      {}, notes);
+  const auto rounded = evaluated(
+      folder,
+      walk_positions(3, [](const std::string& name, std::size_t row, const std::string& cell)
+                     { return name == "time" ? fmt::format("{:.3f}", static_cast<double>(row) / 60.0) : cell; }),
+      {}, notes);
   CHECK(rms(rounded, exact, 0) < 0.1);
   CHECK(notes.find("times are rounded to 0.001 s: put back on 60 Hz (largest move 0.0003") != std::string::npos);
 }
