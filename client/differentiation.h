@@ -19,7 +19,7 @@ struct Differentiation
   std::optional<double> lowpass; ///< cut-off of a low-pass before it, Hz; see lowpass()
 
   Differentiation() = default;
-  /* a file either has its derivatives, or they are found without a low-pass */
+  /// Without a low-pass.
   Differentiation(bool differentiate) : wanted(differentiate) {} // NOLINT(google-explicit-constructor)
 };
 
