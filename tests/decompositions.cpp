@@ -47,6 +47,11 @@ VectorXd eigenvalues(const MatrixXd& A)
   return Eigen::SelfAdjointEigenSolver<MatrixXd>(A, Eigen::EigenvaluesOnly).eigenvalues();
 }
 
+MatrixXd inverse_root(const MatrixXd& A)
+{
+  return Eigen::SelfAdjointEigenSolver<MatrixXd>(A).operatorInverseSqrt();
+}
+
 MatrixXd upper_root(const MatrixXd& A)
 {
   return A.llt().matrixU();

@@ -28,6 +28,9 @@ Eigen::VectorXd singular_values(const Eigen::MatrixXd& A);
 /// Of a symmetric matrix, smallest first.
 Eigen::VectorXd eigenvalues(const Eigen::MatrixXd& A);
 
+/// Of a symmetric positive definite matrix: A^(-1/2).
+Eigen::MatrixXd inverse_root(const Eigen::MatrixXd& A);
+
 /// Of a symmetric positive definite matrix: U, upper triangular, with A = Uᵀ U.
 Eigen::MatrixXd upper_root(const Eigen::MatrixXd& A);
 

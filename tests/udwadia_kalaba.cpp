@@ -1,19 +1,18 @@
 #include "udwadia_kalaba.h"
 
-#include <Eigen/Eigenvalues>
-#include <Eigen/QR>
+#include "decompositions.h"
 
 namespace torqued
 {
 
 VectorQ udwadia_kalaba(const EquationOfMotion& equation, const VectorJ& torque)
 {
-  const Eigen::SelfAdjointEigenSolver<MatrixQ> M(equation.M);
-  const MatrixQ root = M.operatorInverseSqrt();
-  const VectorQ a = root * (root * (equation.B * torque - equation.h - equation.g));
-  const Jacobian Jroot = equation.J * root;
-  const WrenchVector missing = -equation.Jdot_v - equation.J * a;
-  return a + root * Jroot.completeOrthogonalDecomposition().solve(missing);
+  const Eigen::MatrixXd root = oracle::inverse_root(equation.M);
+  const Eigen::VectorXd force = equation.B * torque - equation.h - equation.g;
+  const Eigen::VectorXd a = root * (root * force).eval();
+  const Eigen::MatrixXd Jroot = equation.J * root;
+  const Eigen::VectorXd missing = -equation.Jdot_v - equation.J * a;
+  return a + root * oracle::solve(Jroot, missing);
 }
 
 } // namespace torqued

@@ -25,7 +25,7 @@ Frame carried(const Frame& by, const Eigen::Vector2d& r, double angle, double ra
   const double turned = angle - by.angle;
   const double turning = rate - by.rate;
   const Eigen::Vector2d back(std::cos(turned), -std::sin(turned));
-  Frame frame{by.p + by.in_world(r), angle, rate, acceleration, {}, {}};
+  Frame frame{by.p + by.in_world(r), angle, rate, acceleration, {0.0, 0.0}, {0.0, 0.0}};
   frame.v = rotate(back, by.v + by.rate * perp(r));
   frame.vdot = rotate(back, by.vdot + by.acceleration * perp(r)) - turning * perp(frame.v);
   return frame;
@@ -77,7 +77,7 @@ NewtonEuler newton_euler(const Robot& robot, const VectorQ& q, const VectorQ& v,
     {
       const double angle = q(own);
       const Eigen::Vector2d back(std::cos(angle), -std::sin(angle));
-      frames[at] = {{0.0, 0.0}, angle, v(own), a(own), rotate(back, v.tail<2>()), {}};
+      frames[at] = {{0.0, 0.0}, angle, v(own), a(own), rotate(back, v.tail<2>()), {0.0, 0.0}};
       frames[at].vdot = rotate(back, a.tail<2>()) - v(own) * perp(frames[at].v);
       continue;
     }

@@ -1,11 +1,11 @@
 #include "robot/robot.h"
 
+#include "planar/inverse.h"
 #include "planar/kinematics.h"
 #include "robot/fnv.h"
 #include "robot/strict_toml.h"
 #include "robot/urdf_unread.h"
 
-#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
@@ -303,10 +303,10 @@ private:
     if (!fixed_root())
       robot.relative_names.push_back(absolute_names_[static_cast<std::size_t>(root.coordinate)]);
 
-    const Eigen::FullPivLU<MatrixQ> lu(robot.A);
-    if (!lu.isInvertible())
+    const std::optional<Eigen::MatrixXd> A_inverse = inverse_of(robot.A);
+    if (!A_inverse)
       fail_at_last("the actuators do not reach every link that moves: some push between the same links");
-    robot.A_inverse = lu.inverse();
+    robot.A_inverse = *A_inverse;
   }
 
   // what answers need of A and κ

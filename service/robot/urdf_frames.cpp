@@ -27,7 +27,9 @@ Eigen::Vector3d nearest_y(const Eigen::Vector3d& v)
 // the smallest turn that makes a unit vector ±y, whichever is nearer
 Eigen::Matrix3d turn_to_y(const Eigen::Vector3d& unit)
 {
-  return Eigen::Quaterniond::FromTwoVectors(unit, nearest_y(unit)).toRotationMatrix();
+  const Eigen::Vector3d axis = unit.cross(nearest_y(unit));
+  return axis.isZero(0.0) ? Eigen::Matrix3d::Identity()
+                          : Eigen::AngleAxisd(from_y(unit), axis.normalized()).toRotationMatrix();
 }
 
 // that one of a frame's axes which is nearest to ±y
