@@ -24,7 +24,7 @@ namespace torqued
 namespace
 {
 
-using Json = nlohmann::json;
+using Json = nlohmann::ordered_json;
 
 // What a program prints as JSON; null if it is not here, fails, or prints none. The folders are those where Debian
 // keeps such programs, which not every user's PATH has.

@@ -48,7 +48,7 @@ bool says_no_unit(std::string_view unit)
 }
 
 // a unit for a note
-std::string shown(const std::string& unit)
+std::string shown_unit(const std::string& unit)
 {
   return printable(unit) == unit ? unit : plain_unit(unit);
 }
@@ -203,8 +203,8 @@ private:
       if (columns_[i] == nullptr || says_no_unit(unit))
         continue;
       if (units_[i] && plain_unit(*units_[i]) != plain_unit(unit))
-        fail_in_column(file_, row.number, columns_[i]->name, fmt::format("unit {}", shown(unit)),
-                       fmt::format("{}, as beside its name", shown(*units_[i])));
+        fail_in_column(file_, row.number, columns_[i]->name, fmt::format("unit {}", shown_unit(unit)),
+                       fmt::format("{}, as beside its name", shown_unit(*units_[i])));
       units_[i] = unit;
       unit_lines_[i] = row.number;
     }
@@ -220,11 +220,11 @@ private:
       const KnownColumn& column = *columns_[i];
       const std::optional<double> factor = unit_factor(column.quantity, column.order, *units_[i]);
       if (!factor)
-        fail_in_column(file_, unit_lines_[i], column.name, fmt::format("unit {}", shown(*units_[i])),
+        fail_in_column(file_, unit_lines_[i], column.name, fmt::format("unit {}", shown_unit(*units_[i])),
                        expected_units(column.quantity));
       found_.factors[i] = *factor;
       if (*factor != 1.0)
-        converted.push_back(fmt::format("{} from {}", column.name, shown(*units_[i])));
+        converted.push_back(fmt::format("{} from {}", column.name, shown_unit(*units_[i])));
     }
     if (!converted.empty())
       found_.assumptions.push_back(fmt::format("units are converted: {}", listed(converted)));

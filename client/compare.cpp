@@ -24,7 +24,7 @@ namespace
 
 using Json = nlohmann::ordered_json;
 
-struct Options
+struct CompareOptions
 {
   OfflineOptions offline;
   std::string json;
@@ -262,7 +262,7 @@ void require_answers(const std::string& file, const std::vector<MethodRun>& runs
                             file, runs.front().method, reasons));
 }
 
-ExitCode compare(const Options& options)
+ExitCode compare(const CompareOptions& options)
 {
   if (!options.json.empty())
     require_other_file(options.offline.file, options.json);
@@ -314,7 +314,7 @@ ExitCode compare(const Options& options)
 
 Subcommand add_compare(CLI::App& torquectl)
 {
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<CompareOptions>();
   CLI::App* app = torquectl.add_subcommand(
       "compare", "what every method of double support makes of a motion, and how that agrees with measurements");
   add_offline_options(*app, options->offline, "");

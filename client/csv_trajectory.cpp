@@ -29,7 +29,7 @@ namespace
 constexpr std::int64_t kLatest = std::int64_t{1} << 61; // µs, so that no difference of two times overflows
 
 // a cell for a complaint
-std::string shown(const std::string& cell)
+std::string quoted_cell(const std::string& cell)
 {
   constexpr std::size_t longest = 40;
   if (cell.empty())
@@ -92,9 +92,9 @@ private:
   {
     double value = 0.0;
     if (!parse(cell(column), value))
-      fail(columns_.names[column], shown(cell(column)), "a number, such as -0.25 or 1e-3");
+      fail(columns_.names[column], quoted_cell(cell(column)), "a number, such as -0.25 or 1e-3");
     if (!std::isfinite(value))
-      fail(columns_.names[column], shown(cell(column)), "a finite number");
+      fail(columns_.names[column], quoted_cell(cell(column)), "a finite number");
     return columns_.factors[column] * value;
   }
 
@@ -111,12 +111,12 @@ private:
     const std::size_t column = columns_.utime ? *columns_.utime : *columns_.time;
     std::int64_t utime = 0;
     if (columns_.utime && (!parse(cell(column), utime) || utime < -kLatest || utime > kLatest))
-      fail("utime", shown(cell(column)), "a whole number of µs");
+      fail("utime", quoted_cell(cell(column)), "a whole number of µs");
     if (columns_.time)
     {
       const double seconds = number(*columns_.time);
       if (std::abs(seconds) > 1e-6 * static_cast<double>(kLatest))
-        fail("time", shown(cell(*columns_.time)), "a time in s");
+        fail("time", quoted_cell(cell(*columns_.time)), "a time in s");
       seconds_.push_back(seconds);
       if (columns_.utime)
         check_agreement(utime);
@@ -128,7 +128,8 @@ private:
       seconds_.push_back(1e-6 * static_cast<double>(utime - first_utime(utime)));
     }
     if (!trajectory_.states.empty() && utime <= trajectory_.states.back().utime)
-      fail(columns_.utime ? "utime" : "time", fmt::format("{} after {}", shown(cell(column)), shown(previous_time_)),
+      fail(columns_.utime ? "utime" : "time",
+           fmt::format("{} after {}", quoted_cell(cell(column)), quoted_cell(previous_time_)),
            "a later time in each row, by 1 µs or more");
     previous_time_ = cell(column);
     return utime;
@@ -141,7 +142,7 @@ private:
     const double spacing = std::max(std::abs(seconds_.front()), std::abs(seconds_.back())) * 0x1p-50;
     if (std::abs(seconds_.back() - seconds_.front() - elapsed) > 1e-6 + spacing)
       fail("time",
-           fmt::format("{}, {:.6f} s after the first row", shown(cell(*columns_.time)),
+           fmt::format("{}, {:.6f} s after the first row", quoted_cell(cell(*columns_.time)),
                        seconds_.back() - seconds_.front()),
            fmt::format("{:.6f} s after it, as utime says, or only one of the two columns", elapsed));
   }
@@ -156,13 +157,13 @@ private:
     for (const Contact contact : {Contact::none, Contact::heel, Contact::sole, Contact::toe})
       if (cell(column) == name_of(contact) || cell(column) == std::to_string(static_cast<int>(contact)))
         return static_cast<std::int8_t>(contact);
-    fail(columns_.names[column], shown(cell(column)), "0, 1, 2, 3, or none, heel, sole, toe");
+    fail(columns_.names[column], quoted_cell(cell(column)), "0, 1, 2, 3, or none, heel, sole, toe");
   }
 
   std::int8_t leading() const
   {
     if (cell(*columns_.leading) != "L" && cell(*columns_.leading) != "R")
-      fail("leading", shown(cell(*columns_.leading)), "L or R");
+      fail("leading", quoted_cell(cell(*columns_.leading)), "L or R");
     return cell(*columns_.leading) == "L" ? desired_state_t::LEFT : desired_state_t::RIGHT;
   }
 
@@ -180,7 +181,7 @@ private:
       std::vector<std::string_view> known;
       for (const NamedMethod& named : kMethods)
         known.push_back(named.name);
-      fail("method", shown(word), fmt::format("default, {}, or a method's number", fmt::join(known, ", ")));
+      fail("method", quoted_cell(word), fmt::format("default, {}, or a method's number", fmt::join(known, ", ")));
     }
     return static_cast<std::int8_t>(value);
   }
@@ -220,7 +221,7 @@ private:
     if (cells.size() < names.size())
       fail(names[cells.size()], fmt::format("nothing, the row ends after {} cells", cells.size()),
            fmt::format("{} cells", names.size()));
-    fail(fmt::format("{}", names.size() + 1), shown(cell(names.size())), fmt::format("{} cells", names.size()));
+    fail(fmt::format("{}", names.size() + 1), quoted_cell(cell(names.size())), fmt::format("{} cells", names.size()));
   }
 
   void collect_assumptions()

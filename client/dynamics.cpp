@@ -25,7 +25,7 @@ namespace
 
 using Json = nlohmann::ordered_json;
 
-struct Options
+struct DynamicsOptions
 {
   OfflineOptions offline;
   std::string coordinates = "absolute";
@@ -93,7 +93,7 @@ Json answered(std::int64_t utime, const dynamics_t& equation, const Robot& robot
   return json;
 }
 
-ExitCode dynamics(const Options& options)
+ExitCode dynamics(const DynamicsOptions& options)
 {
   const std::string& path = options.offline.out;
   if (!path.ends_with(".json") && !path.ends_with(".jsonl") && path != "-")
@@ -171,7 +171,7 @@ ExitCode dynamics(const Options& options)
 
 Subcommand add_dynamics(CLI::App& torquectl)
 {
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<DynamicsOptions>();
   CLI::App* app = torquectl.add_subcommand(
       "dynamics", "the equation of motion along a trajectory: M, C, h, g, B, J, one JSON object per sample");
   add_offline_options(*app, options->offline, ".json or .jsonl, one object per line; - is the standard output");

@@ -29,7 +29,7 @@ namespace
 
 using Json = nlohmann::ordered_json;
 
-struct Options
+struct EchoOptions
 {
   std::string format = "table", lcm_url;
   std::optional<std::string> prefix;
@@ -289,7 +289,7 @@ std::unique_ptr<Format> make_format(const std::string& name)
   return std::make_unique<Table>();
 }
 
-ExitCode echo_bus(const Options& options)
+ExitCode echo_bus(const EchoOptions& options)
 {
   Config config;
   set_flag("--prefix", set_prefix, config, options.prefix);
@@ -314,7 +314,7 @@ ExitCode echo_bus(const Options& options)
 
 Subcommand add_echo(CLI::App& torquectl)
 {
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<EchoOptions>();
   CLI::App* app = torquectl.add_subcommand("echo", "print what the daemon publishes, until Ctrl-C");
   app->add_option("--format", options->format, "table, csv (all columns) or json (one object per line); default: table")
       ->type_name("FORMAT")

@@ -21,7 +21,7 @@ namespace torqued
 namespace
 {
 
-struct Options
+struct ExportOptions
 {
   std::string log, out, robot;
   std::optional<std::string> prefix;
@@ -60,7 +60,7 @@ std::string next_line(const MotionTable& table, const desired_state_t& state, Re
   return table.line(state, {}, command);
 }
 
-ExitCode export_log(const Options& options)
+ExitCode export_log(const ExportOptions& options)
 {
   Config config;
   set_flag("--prefix", set_prefix, config, options.prefix);
@@ -99,7 +99,7 @@ ExitCode export_log(const Options& options)
 
 Subcommand add_export(CLI::App& torquectl)
 {
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<ExportOptions>();
   CLI::App* app =
       torquectl.add_subcommand("export", "a recorded log as CSV: desired states and their answers, one row each");
   app->add_option("LOG", options->log, "what lcm-logger recorded")->type_name("")->required();

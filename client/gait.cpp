@@ -1,5 +1,6 @@
 #include "client/gait.h"
 
+#include "client/unit_names.h"
 #include "daemon/answer.h"
 
 #include <Eigen/LU>
@@ -16,8 +17,6 @@ namespace torqued
 
 namespace
 {
-
-constexpr double kDegree = std::numbers::pi / 180.0;
 
 // A function of time and its derivatives.
 struct Course

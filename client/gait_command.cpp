@@ -3,6 +3,7 @@
 #include "client/gait.h"
 #include "client/robot_choice.h"
 #include "client/subcommands.h"
+#include "client/unit_names.h"
 
 #include <CLI/CLI.hpp>
 
@@ -11,7 +12,6 @@
 #include <fmt/format.h>
 #include <limits>
 #include <memory>
-#include <numbers>
 #include <optional>
 
 namespace torqued
@@ -19,8 +19,6 @@ namespace torqued
 
 namespace
 {
-
-constexpr double kDegree = std::numbers::pi / 180.0;
 
 // Options as given: lengths in m, times in s, angles in degrees.
 struct GaitCommand
@@ -132,7 +130,7 @@ int write(const Gait& gait, const Robot& robot, double rate, OutputFile& file)
   return rows;
 }
 
-ExitCode run(const GaitCommand& command)
+ExitCode run_gait(const GaitCommand& command)
 {
   if (!command.out.ends_with(".csv") && command.out != "-")
     throw Failure(ExitCode::usage,
@@ -216,7 +214,7 @@ Subcommand add_gait(CLI::App& torquectl)
       "  torquectl gait --robot rk --step-length 0.4 -o /tmp/walk.csv && torquectl compare /tmp/walk.csv --robot rk");
   return {app, [command]
           {
-            return run(*command);
+            return run_gait(*command);
           }};
 }
 

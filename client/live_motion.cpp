@@ -16,7 +16,7 @@ namespace
 using namespace std::chrono_literals;
 
 // an answer that has not come by then does not come
-constexpr auto kPatience = 200ms;
+constexpr auto kDisplayPatience = 200ms;
 // a stream that has been silent for so long gives way to another one
 constexpr auto kSilence = 500ms;
 
@@ -94,7 +94,7 @@ std::vector<ReportMotion> LiveMotion::window(Clock::time_point now) const
   while (end != samples_.begin())
   {
     const Sample& last = *std::prev(end);
-    if (last.answer || !last.rejected.empty() || now - last.heard > kPatience)
+    if (last.answer || !last.rejected.empty() || now - last.heard > kDisplayPatience)
       break;
     --end;
   }

@@ -39,7 +39,7 @@ std::string published_column(const std::string& actuator)
   return kind == actuator ? "" : fmt::format("pub_{}{}", kind, actuator.starts_with("left_") ? "L" : "R");
 }
 
-double number(const std::string& file, std::size_t line, const std::string& column, const std::string& cell)
+double measured_number(const std::string& file, std::size_t line, const std::string& column, const std::string& cell)
 {
   if (cell.empty())
     return NAN;
@@ -67,7 +67,7 @@ std::map<std::string, std::vector<double>> read_columns(std::string_view text, c
   CsvLine line;
   while (!places.empty() && reader.next(line))
     for (const auto& [name, place] : places)
-      columns[name].push_back(names.factors[place] * number(file, line.number, name, line.cells.at(place)));
+      columns[name].push_back(names.factors[place] * measured_number(file, line.number, name, line.cells.at(place)));
   return columns;
 }
 

@@ -18,7 +18,7 @@ namespace torqued
 namespace
 {
 
-struct Options
+struct ModelOptions
 {
   std::string robot;
   std::string toml_for; // a URDF's name
@@ -190,7 +190,7 @@ void print_parameters(const Robot& robot)
     fmt::print("  {:>12.6g}  {}\n", parameter.value, parameter.name);
 }
 
-ExitCode model(const Options& options)
+ExitCode model(const ModelOptions& options)
 {
   if (options.list)
   {
@@ -225,7 +225,7 @@ ExitCode model(const Options& options)
 
 Subcommand add_model(CLI::App& torquectl)
 {
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<ModelOptions>();
   CLI::App* app = torquectl.add_subcommand("model", "say what a robot means: links, coordinates, actuators, feet");
   add_robot_option(*app, options->robot, "no default");
   CLI::Option* list = app->add_flag("--list", options->list, "list the robots that ship");

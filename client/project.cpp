@@ -184,7 +184,7 @@ std::vector<std::string> header(const Robot& robot, bool base_given)
   return columns;
 }
 
-std::vector<std::string> cells(const Robot& robot, const DesiredState& state, bool base_given)
+std::vector<std::string> project_cells(const Robot& robot, const DesiredState& state, bool base_given)
 {
   std::vector<std::string> row{fmt::format("{}", state.utime)};
   for (const VectorQ* numbers : {&state.q, &state.v, &state.a})
@@ -204,7 +204,7 @@ std::vector<std::string> cells(const Robot& robot, const DesiredState& state, bo
   return row;
 }
 
-ExitCode run(const OfflineOptions& options)
+ExitCode run_project(const OfflineOptions& options)
 {
   if (!options.out.ends_with(".csv") && options.out != "-")
     throw Failure(ExitCode::usage,
@@ -224,7 +224,7 @@ ExitCode run(const OfflineOptions& options)
       throw Failure(ExitCode::bad_data, fmt::format("{}: {}", desired.place(i), refusal->detail()));
     const Projection& projection = std::get<Projection>(result);
     report.add(robot, desired.place(i), states[i], projection);
-    text += csv_line(cells(robot, projection.state, base_given));
+    text += csv_line(project_cells(robot, projection.state, base_given));
   }
   OutputFile out(options.out);
   out.write(text);
@@ -253,7 +253,7 @@ Subcommand add_project(CLI::App& torquectl)
       "  torquectl gait --robot ck -o /tmp/walk.csv && torquectl project /tmp/walk.csv -o /tmp/projected.csv");
   return {app, [options]
           {
-            return run(*options);
+            return run_project(*options);
           }};
 }
 

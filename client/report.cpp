@@ -28,7 +28,7 @@ namespace torqued
 namespace
 {
 
-struct Options
+struct ReportOptions
 {
   std::vector<std::string> files, methods;
   std::string out, robot, config, measured;
@@ -184,11 +184,12 @@ ReportRun evaluated_run(const Robot& robot, const AnswerSettings& settings, cons
   return {by ? std::string(name_of(*by)) : used, std::move(answered.answers), {}, std::move(answered.refused)};
 }
 
-// Rows of what was measured, by sample of a motion.
-using Rows = std::vector<std::optional<std::size_t>>;
+// AnswerRows of what was measured, by sample of a motion.
+using AnswerRows = std::vector<std::optional<std::size_t>>;
 
 // The rows of the motion that was sent: those whose coordinates are the same numbers as a sample's.
-Rows rows_sent(const std::vector<DesiredState>& rows, const std::vector<DesiredState>& states, const std::string& file)
+AnswerRows rows_sent(const std::vector<DesiredState>& rows, const std::vector<DesiredState>& states,
+                     const std::string& file)
 {
   const auto pose = [](const DesiredState& state)
   {
@@ -197,7 +198,7 @@ Rows rows_sent(const std::vector<DesiredState>& rows, const std::vector<DesiredS
   std::map<std::vector<double>, std::vector<std::size_t>> by_pose;
   for (std::size_t i = 0; i < rows.size(); ++i)
     by_pose[pose(rows[i])].push_back(i);
-  Rows sent;
+  AnswerRows sent;
   std::optional<std::size_t> last;
   for (const DesiredState& state : states)
   {
@@ -224,7 +225,7 @@ Rows rows_sent(const std::vector<DesiredState>& rows, const std::vector<DesiredS
   return sent;
 }
 
-Measured choose(Measured measured, const Rows& rows)
+Measured choose(Measured measured, const AnswerRows& rows)
 {
   const auto choose_values = [&rows](std::vector<double>& values)
   {
@@ -242,14 +243,14 @@ Measured choose(Measured measured, const Rows& rows)
 }
 
 // What was measured along a motion: as --measured says, else as its own columns do.
-Measured find_measured(const Input& input, const Samples& samples, const Robot& robot, const Options& options,
+Measured find_measured(const Input& input, const Samples& samples, const Robot& robot, const ReportOptions& options,
                        const Channels& channels)
 {
   if (options.measured.empty())
     return input.trajectory.from_log ? Measured{}
                                      : choose(read_measured(input.bytes, input.trajectory.file, robot,
                                                             decode_all(robot, encode_all(input.trajectory))),
-                                              Rows(samples.places.begin(), samples.places.end()));
+                                              AnswerRows(samples.places.begin(), samples.places.end()));
   const std::string bytes = read_file(options.measured);
   require_same_robot(robots_named_by(bytes, options.measured, channels), robot.name, robot.model_id,
                      fmt::format("{} is of", input.file));
@@ -300,7 +301,7 @@ std::string summary(const ReportMotion& motion, const ReportRun& run)
   return line;
 }
 
-ExitCode report(const Options& options)
+ExitCode report(const ReportOptions& options)
 {
   for (const std::string& file : options.files)
     require_other_file(file, options.out);
@@ -375,7 +376,7 @@ ExitCode report(const Options& options)
 
 Subcommand add_report(CLI::App& torquectl)
 {
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<ReportOptions>();
   CLI::App* app = torquectl.add_subcommand(
       "report", "a page that shows a motion walk, with its torques and ground reactions, in any browser");
   app->add_option("FILE", options->files, "logs that lcm-logger recorded, or trajectory CSVs")

@@ -140,16 +140,16 @@ bool same(const Named& named, const std::string& name, std::int64_t model_id)
 }
 
 // "ck (model_id 5)"
-std::string shown(const std::string& name, std::optional<std::int64_t> model_id)
+std::string shown_robot(const std::string& name, std::optional<std::int64_t> model_id)
 {
   return model_id ? fmt::format("{} (model_id {})", printable(name), *model_id) : printable(name);
 }
 
-std::string shown(const std::vector<Named>& robots)
+std::string shown_robot(const std::vector<Named>& robots)
 {
   std::vector<std::string> all;
   for (const Named& robot : robots)
-    all.push_back(shown(robot.name, robot.model_id));
+    all.push_back(shown_robot(robot.name, robot.model_id));
   return fmt::format("{}", fmt::join(all, " and "));
 }
 
@@ -158,11 +158,11 @@ std::string statement(const NamedRobots& named)
 {
   switch (named.source)
   {
-  case Source::csv: return fmt::format("{} names robot {}", named.file, shown(named.robots));
-  case Source::log: return fmt::format("{} was recorded with robot {}", named.file, shown(named.robots));
+  case Source::csv: return fmt::format("{} names robot {}", named.file, shown_robot(named.robots));
+  case Source::log: return fmt::format("{} was recorded with robot {}", named.file, shown_robot(named.robots));
   case Source::daemon: break;
   }
-  return fmt::format("{} computes {}", named.file, shown(named.robots));
+  return fmt::format("{} computes {}", named.file, shown_robot(named.robots));
 }
 
 // what to do if the robot that a source names is not the one that is wanted
@@ -298,8 +298,8 @@ void require_same_robot(const NamedRobots& named, const std::string& name, std::
   };
   if (named.robots.empty() || std::any_of(named.robots.begin(), named.robots.end(), is_it))
     return;
-  throw Failure(ExitCode::bad_data, fmt::format("{}, but {} {}{}: {}", statement(named), by, shown(name, model_id),
-                                                if_changed(named, name), remedy(named)));
+  throw Failure(ExitCode::bad_data, fmt::format("{}, but {} {}{}: {}", statement(named), by,
+                                                shown_robot(name, model_id), if_changed(named, name), remedy(named)));
 }
 
 } // namespace torqued

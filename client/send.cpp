@@ -32,9 +32,9 @@ namespace
 using namespace std::chrono_literals;
 using Clock = Bus::Clock;
 
-constexpr Clock::duration kPatience = 1s; // an answer that takes longer counts as lost
+constexpr Clock::duration kAnswerPatience = 1s; // an answer that takes longer counts as lost
 
-struct Options
+struct SendOptions
 {
   std::string file, lcm_url;
   std::optional<std::string> method, prefix;
@@ -71,7 +71,7 @@ double find_patience(const std::vector<double>& due)
   return 0.75 * *median;
 }
 
-Schedule make_schedule(const Trajectory& trajectory, const Options& options)
+Schedule make_schedule(const Trajectory& trajectory, const SendOptions& options)
 {
   const std::vector<desired_state_t>& states = trajectory.states;
   Schedule schedule;
@@ -273,11 +273,11 @@ void send_all(Bus& bus, const Channels& channels, const Schedule& schedule, bool
       state.utime = utime;
       ledger.sent(utime, trajectory.place(i));
       bus.publish(channels.desired, encode(state, buffer));
-      ledger.give_up(microseconds(sent - kPatience));
+      ledger.give_up(microseconds(sent - kAnswerPatience));
     }
 }
 
-ExitCode send(const Options& options)
+ExitCode send(const SendOptions& options)
 {
   Config config;
   set_flag("--prefix", set_prefix, config, options.prefix);
@@ -312,7 +312,7 @@ ExitCode send(const Options& options)
   bus.subscribe(channels.rejected, [&ledger](Bytes message) { ledger.hear_rejection(message); });
   send_all(bus, channels, schedule, options.loop, trajectory, ledger);
 
-  const Clock::time_point end = Clock::now() + kPatience;
+  const Clock::time_point end = Clock::now() + kAnswerPatience;
   while (!ledger.all_settled() && Clock::now() < end)
     bus.wait(end);
   ledger.give_up(INT64_MAX);
@@ -328,7 +328,7 @@ ExitCode send(const Options& options)
 
 Subcommand add_send(CLI::App& torquectl)
 {
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<SendOptions>();
   CLI::App* app = torquectl.add_subcommand("send", "publish a trajectory as desired states, and count what comes back");
   app->add_option("FILE", options->file, "a trajectory CSV, or an LCM log of desired states")
       ->type_name("")

@@ -12,17 +12,17 @@ namespace torqued
 namespace
 {
 
-constexpr Eigen::Index kDegree = 5;
-using Spline = Eigen::Spline<double, 1, kDegree>;
+constexpr Eigen::Index kQuintic = 5;
+using Spline = Eigen::Spline<double, 1, kQuintic>;
 
 // both ends six times, and of the times between them all but those next to the ends
 Spline::KnotVectorType not_a_knot(const Eigen::VectorXd& times)
 {
   const Eigen::Index n = times.size();
-  Spline::KnotVectorType knots(n + kDegree + 1);
-  knots.head(kDegree + 1).setConstant(times(0));
-  knots.segment(kDegree + 1, n - kDegree - 1) = times.segment(3, n - kDegree - 1).transpose().array();
-  knots.tail(kDegree + 1).setConstant(times(n - 1));
+  Spline::KnotVectorType knots(n + kQuintic + 1);
+  knots.head(kQuintic + 1).setConstant(times(0));
+  knots.segment(kQuintic + 1, n - kQuintic - 1) = times.segment(3, n - kQuintic - 1).transpose().array();
+  knots.tail(kQuintic + 1).setConstant(times(n - 1));
   return knots;
 }
 
@@ -34,15 +34,15 @@ std::array<Eigen::SparseMatrix<double>, 3> bases(const Eigen::VectorXd& instants
   std::array<std::vector<Eigen::Triplet<double>>, 3> entries;
   for (Eigen::Index i = 0; i < instants.size(); ++i)
   {
-    const Eigen::Index first = Spline::Span(instants(i), kDegree, knots) - kDegree;
-    const auto basis = Spline::BasisFunctionDerivatives(instants(i), order, kDegree, knots);
+    const Eigen::Index first = Spline::Span(instants(i), kQuintic, knots) - kQuintic;
+    const auto basis = Spline::BasisFunctionDerivatives(instants(i), order, kQuintic, knots);
     for (Eigen::Index k = 0; k <= order; ++k)
-      for (Eigen::Index j = 0; j <= kDegree; ++j)
+      for (Eigen::Index j = 0; j <= kQuintic; ++j)
         entries[static_cast<std::size_t>(k)].emplace_back(i, first + j, basis(k, j));
   }
   for (std::size_t k = 0; k <= static_cast<std::size_t>(order); ++k)
   {
-    B[k].resize(instants.size(), knots.size() - kDegree - 1);
+    B[k].resize(instants.size(), knots.size() - kQuintic - 1);
     B[k].setFromTriplets(entries[k].begin(), entries[k].end());
   }
   return B;

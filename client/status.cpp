@@ -19,7 +19,7 @@ namespace
 using namespace std::chrono_literals;
 using Clock = Bus::Clock;
 
-struct Options
+struct StatusOptions
 {
   std::string lcm_url;
   std::optional<std::string> prefix;
@@ -72,7 +72,7 @@ Json describe(const std::vector<Daemon>& daemons)
   return list;
 }
 
-std::string nobody(const Options& options)
+std::string nobody(const StatusOptions& options)
 {
   return fmt::format("no daemon is heard on {}; is torqued running on this bus and network? torquectl doctor looks for "
                      "what is wrong. Here {}",
@@ -82,7 +82,7 @@ std::string nobody(const Options& options)
 
 // Hears for a second, for the rates, and longer where a daemon has not yet said which robot it computes, every two
 // seconds.
-ExitCode show_once(Bus& bus, const DaemonsHeard& heard, const Options& options)
+ExitCode show_once(Bus& bus, const DaemonsHeard& heard, const StatusOptions& options)
 {
   const auto begin = Clock::now();
   const auto complete = [&]
@@ -105,7 +105,7 @@ ExitCode show_once(Bus& bus, const DaemonsHeard& heard, const Options& options)
 }
 
 // Draws the page anew at the terminal's top, four times a second, until a signal.
-ExitCode show_live(Bus& bus, const DaemonsHeard& heard, const Options& options)
+ExitCode show_live(Bus& bus, const DaemonsHeard& heard, const StatusOptions& options)
 {
   OutputFile out("-");
   while (!bus.stopped())
@@ -120,7 +120,7 @@ ExitCode show_live(Bus& bus, const DaemonsHeard& heard, const Options& options)
   return ExitCode::done;
 }
 
-ExitCode show_status(const Options& options)
+ExitCode show_status(const StatusOptions& options)
 {
   Config config;
   set_flag("--prefix", set_prefix, config, options.prefix);
@@ -135,7 +135,7 @@ ExitCode show_status(const Options& options)
 
 Subcommand add_status(CLI::App& torquectl)
 {
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<StatusOptions>();
   CLI::App* app =
       torquectl.add_subcommand("status", "how the daemons on the bus are: live on a terminal, until Ctrl-C; else once");
   app->add_flag("--once", options->once, "show it once, after a second or two of listening, and end");

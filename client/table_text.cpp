@@ -22,7 +22,7 @@ constexpr std::array<char, 4> kSeparators{',', ';', '\t', '|'};
 constexpr std::string_view kSpace = " \t";
 
 // whether a cell names the time of a row, with or without a unit in brackets
-bool names_time(std::string_view cell)
+bool begins_with_time(std::string_view cell)
 {
   const std::string name = lower_case(trimmed(cell.substr(0, cell.find_first_of("([")), " \t\""));
   return name == "time" || name == "utime";
@@ -33,7 +33,7 @@ bool splits(std::string_view line, char separator)
 {
   const std::vector<std::string_view> cells = split_cells(line, separator);
   const char decimal_sign = separator == ',' ? '.' : ',';
-  if (std::any_of(cells.begin(), cells.end(), names_time))
+  if (std::any_of(cells.begin(), cells.end(), begins_with_time))
     return cells.size() > 1;
   std::size_t numbers = 0;
   for (const std::string_view cell : cells)

@@ -150,7 +150,7 @@ namespace
 {
 
 // the number that a whole text is; NaN if it is none
-double number(const std::string& text)
+double finite_number(const std::string& text)
 {
   double number = 0.0;
   const char* end = text.data() + text.size();
@@ -162,12 +162,12 @@ double number(const std::string& text)
 
 std::string check_positive(const std::string& text)
 {
-  return number(text) > 0.0 ? "" : fmt::format("found \"{}\"; expected a positive number", text);
+  return finite_number(text) > 0.0 ? "" : fmt::format("found \"{}\"; expected a positive number", text);
 }
 
 std::string check_time(const std::string& text)
 {
-  return number(text) >= 0.0 ? "" : fmt::format("found \"{}\"; expected a time in s, 0 or more", text);
+  return finite_number(text) >= 0.0 ? "" : fmt::format("found \"{}\"; expected a time in s, 0 or more", text);
 }
 
 void set_flag(std::string_view flag, void (*set)(Config&, const std::string&), Config& config,

@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <array>
 #include <initializer_list>
-#include <numbers>
 #include <string>
 #include <utility>
 
@@ -14,8 +13,6 @@ namespace torqued
 
 namespace
 {
-
-constexpr double kDegree = std::numbers::pi / 180.0; // rad
 
 struct Unit
 {

@@ -1,12 +1,16 @@
 /// Units of the numbers in a table.
 #pragma once
 
+#include <numbers>
 #include <optional>
 #include <string>
 #include <string_view>
 
 namespace torqued
 {
+
+/// One degree, rad.
+inline constexpr double kDegree = std::numbers::pi / 180.0;
 
 /// What a column holds.
 enum class Quantity

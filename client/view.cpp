@@ -21,7 +21,7 @@ namespace
 
 constexpr const char* kAddress = "127.0.0.1";
 
-struct Options
+struct ViewOptions
 {
   std::string robot, lcm_url;
   std::optional<std::string> prefix;
@@ -33,7 +33,7 @@ struct Options
 class View
 {
 public:
-  View(const model_info_t& model, const Options& options) : options_(options) { set_model(model); }
+  View(const model_info_t& model, const ViewOptions& options) : options_(options) { set_model(model); }
 
   void set_model(const model_info_t& model)
   {
@@ -73,7 +73,7 @@ public:
   }
 
 private:
-  const Options& options_;
+  const ViewOptions& options_;
   std::int64_t model_id_ = 0;
   mutable std::mutex mutex_;
   std::unique_ptr<LiveMotion> motion_;
@@ -138,7 +138,7 @@ private:
   std::thread thread_;
 };
 
-ExitCode view(const Options& options)
+ExitCode view(const ViewOptions& options)
 {
   Config config;
   set_flag("--prefix", set_prefix, config, options.prefix);
@@ -168,7 +168,7 @@ ExitCode view(const Options& options)
 
 Subcommand add_view(CLI::App& torquectl)
 {
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<ViewOptions>();
   CLI::App* app =
       torquectl.add_subcommand("view", "the page of report, live: what torqued does right now, in a browser");
   app->add_option("--port", options->port, "of 127.0.0.1, where the page is; 0: any that is free")

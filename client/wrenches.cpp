@@ -47,7 +47,7 @@ std::vector<std::string> columns(const Robot& robot)
 
 // one answered sample, the motion that was answered: the wrenches of all joints under the ground reactions of the
 // answer
-std::vector<std::string> cells(const Robot& robot, const DesiredState& desired, const Answer& answer)
+std::vector<std::string> wrench_cells(const Robot& robot, const DesiredState& desired, const Answer& answer)
 {
   const Motion motion = std::get<Motion>(complete_motion(robot, desired));
   std::array<Eigen::Vector3d, 2> ground;
@@ -112,9 +112,9 @@ ExitCode wrenches(const OfflineOptions& options)
     {
       const Answer& found = std::get<Answer>(answered);
       tally.answer(found.flags);
-      out.write(csv_line(
-          cells(robot, std::get<DesiredState>(answered_motion(robot, config.answers, std::get<DesiredState>(state))),
-                found)));
+      out.write(csv_line(wrench_cells(
+          robot, std::get<DesiredState>(answered_motion(robot, config.answers, std::get<DesiredState>(state))),
+          found)));
     }
   }
   out.close();

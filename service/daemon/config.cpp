@@ -26,7 +26,7 @@ std::string_view word(OnExcess what)
 }
 
 // as a TOML text, in whatever quotes it needs
-std::string quoted(std::string_view text)
+std::string toml_text(std::string_view text)
 {
   std::ostringstream toml;
   toml << toml::value<std::string>(text);
@@ -266,7 +266,8 @@ std::string to_toml(const Config& config)
   const MethodSettings& methods = answers.methods;
   const auto cop = methods.linear_transition.leading_cop;
   const auto f_min = methods.constrained.f_min;
-  return fmt::format(R"(# configuration of torqued
+  return fmt::format(
+      R"(# configuration of torqued
 
 robot = {}  # a robot that ships, or a .toml or .urdf file; '': --robot must say it
 lcm_url = {}  # '': LCM_DEFAULT_URL, or LCM's own default
@@ -316,19 +317,18 @@ leading_cop = {}  # and the leading one
 time_weight = {}  # 0 to 1: weight of load_transfer, against the lever rule, in the vertical share
 fade = {}  # 0 to 0.5: share of the double support in which each end passes into single support; 0: at once
 )",
-                     quoted(config.robot), quoted(config.lcm_url), quoted(config.prefix), quoted(config.log_level),
-                     config.every_sample, config.max_age, config.deadline, quoted(name_of(answers.methods.method)),
-                     quoted(word(answers.consistency)), answers.contact_speed_tolerance, answers.contact_tolerance,
-                     answers.sole_tilt_tolerance, answers.contact_height_tolerance, answers.residual_tolerance,
-                     quoted(word(answers.limits)), quoted(word(answers.rate_limits)), answers.project,
-                     quoted(methods.relax ? "relax" : "refuse"), shown(methods.pseudo_inverse.weights),
-                     fmt::format("[{}]", fmt::join(methods.pseudo_inverse.reaction_weights, ", ")),
-                     cop ? fmt::format("{}", *cop) : quoted("zmp"), methods.internal_wrench.sigma,
-                     shown(methods.internal_wrench.weights), shown(methods.torso_wrench.weights),
-                     shown(methods.constrained.weights), methods.constrained.windows,
-                     methods.constrained.reference_weight, f_min ? fmt::format("{}", *f_min) : quoted("robot"),
-                     methods.human_transition.trailing_cop, methods.human_transition.leading_cop,
-                     methods.human_transition.time_weight, methods.human_transition.fade);
+      toml_text(config.robot), toml_text(config.lcm_url), toml_text(config.prefix), toml_text(config.log_level),
+      config.every_sample, config.max_age, config.deadline, toml_text(name_of(answers.methods.method)),
+      toml_text(word(answers.consistency)), answers.contact_speed_tolerance, answers.contact_tolerance,
+      answers.sole_tilt_tolerance, answers.contact_height_tolerance, answers.residual_tolerance,
+      toml_text(word(answers.limits)), toml_text(word(answers.rate_limits)), answers.project,
+      toml_text(methods.relax ? "relax" : "refuse"), shown(methods.pseudo_inverse.weights),
+      fmt::format("[{}]", fmt::join(methods.pseudo_inverse.reaction_weights, ", ")),
+      cop ? fmt::format("{}", *cop) : toml_text("zmp"), methods.internal_wrench.sigma,
+      shown(methods.internal_wrench.weights), shown(methods.torso_wrench.weights), shown(methods.constrained.weights),
+      methods.constrained.windows, methods.constrained.reference_weight,
+      f_min ? fmt::format("{}", *f_min) : toml_text("robot"), methods.human_transition.trailing_cop,
+      methods.human_transition.leading_cop, methods.human_transition.time_weight, methods.human_transition.fade);
 }
 
 } // namespace torqued

@@ -8,6 +8,9 @@
 namespace torqued
 {
 
+/// The most characters of a value that a complaint shows.
+inline constexpr std::size_t kLongestShown = 60;
+
 /// The text with a question mark for all that is not plain ASCII, because a terminal might obey it, and cut after
 /// `longest` characters.
 inline std::string printable(std::string text, std::size_t longest = 300)

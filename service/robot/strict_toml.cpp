@@ -22,7 +22,6 @@ namespace
 {
 
 constexpr std::size_t kLargestFile = 1'000'000;
-constexpr std::size_t kLongestShown = 60; // characters of a value in a complaint
 
 std::string shown_node(const toml::node& node)
 {

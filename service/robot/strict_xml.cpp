@@ -15,8 +15,6 @@ namespace torqued
 namespace
 {
 
-constexpr std::size_t kLongestShown = 60; // characters of a value in a complaint
-
 bool is_space(char c)
 {
   return c == ' ' || c == '\t' || c == '\n' || c == '\r';

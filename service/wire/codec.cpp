@@ -12,7 +12,7 @@ namespace
 {
 
 // desired_state_t up to and including num_coordinates: fingerprint, 3 int64, 6 int8, 2 + 6 double, 1 int32
-constexpr std::size_t kFixedSize = 8 + 3 * 8 + 6 + 8 * 8 + 4;
+constexpr std::size_t kFixedStateSize = 8 + 3 * 8 + 6 + 8 * 8 + 4;
 
 std::optional<Refusal> check_share(std::string_view field, double value)
 {
@@ -45,14 +45,14 @@ std::int64_t read_status_instance(Bytes message)
 Result<DesiredState> decode_desired_state(Bytes message, const Robot& robot)
 {
   const int angles = robot.num_coordinates();
-  const std::size_t expected_size = kFixedSize + 3 * 8 * static_cast<std::size_t>(angles);
+  const std::size_t expected_size = kFixedStateSize + 3 * 8 * static_cast<std::size_t>(angles);
 
   // fingerprint, count, size
   Cursor cursor(message);
   if (const std::int64_t fingerprint = cursor.int64(); !cursor.ok() || fingerprint != desired_state_t::getHash())
     return Refusal(Reason::undecodable, "fingerprint is {:#018x}; expected {:#018x}, that of torqued.desired_state_t",
                    static_cast<std::uint64_t>(fingerprint), static_cast<std::uint64_t>(desired_state_t::getHash()));
-  if (message.size() < kFixedSize)
+  if (message.size() < kFixedStateSize)
     return Refusal(Reason::undecodable, "size is {} bytes; expected {} for {} coordinates", message.size(),
                    expected_size, angles);
 

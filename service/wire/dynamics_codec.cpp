@@ -9,7 +9,7 @@ namespace
 {
 
 // dynamics_request_t up to and including num_coordinates: fingerprint, int64, 5 int8, 2 + 2 double, int32
-constexpr std::size_t kFixedSize = 8 + 8 + 5 + 4 * 8 + 4;
+constexpr std::size_t kFixedRequestSize = 8 + 8 + 5 + 4 * 8 + 4;
 
 } // namespace
 
@@ -22,7 +22,7 @@ std::int64_t read_request_id(Bytes message)
 
 std::size_t dynamics_request_size(const Robot& robot)
 {
-  return kFixedSize + 3 * 8 * static_cast<std::size_t>(robot.num_coordinates());
+  return kFixedRequestSize + 3 * 8 * static_cast<std::size_t>(robot.num_coordinates());
 }
 
 Result<DynamicsRequest> decode_dynamics_request(Bytes message, const Robot& robot)
@@ -32,7 +32,7 @@ Result<DynamicsRequest> decode_dynamics_request(Bytes message, const Robot& robo
   if (!cursor.ok())
     return Refusal(Reason::undecodable, "the fingerprint is not that of torqued.dynamics_request_t, {:#018x}",
                    static_cast<std::uint64_t>(dynamics_request_t::getHash()));
-  if (message.size() < kFixedSize)
+  if (message.size() < kFixedRequestSize)
     return Refusal(Reason::undecodable, "size is {} bytes; expected {} for {} coordinates", message.size(),
                    expected_size, robot.num_coordinates());
 
