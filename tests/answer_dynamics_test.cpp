@@ -7,6 +7,9 @@
 #include <functional>
 #include <map>
 
+namespace answer_dynamics_test
+{
+
 using namespace torqued;
 
 namespace
@@ -316,3 +319,5 @@ TEST_CASE("a request that is cut, extended or no request at all is answered with
     answer_to(ck, bytes);
   }
 }
+
+} // namespace answer_dynamics_test

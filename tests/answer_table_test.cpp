@@ -9,6 +9,9 @@
 #include <limits>
 #include <random>
 
+namespace answer_table_test
+{
+
 using namespace torqued;
 
 namespace
@@ -107,3 +110,5 @@ TEST_CASE("any text in a cell reads back as it was", "[answer_table]")
   CHECK(line.cells == cells);
   CHECK_FALSE(reader.next(line));
 }
+
+} // namespace answer_table_test

@@ -7,6 +7,9 @@
 #include <cstring>
 #include <limits>
 
+namespace answer_test
+{
+
 using namespace torqued;
 
 namespace
@@ -363,3 +366,5 @@ TEST_CASE("the base point of a fixed root does not accelerate", "[answer]")
   CHECK(found.base_a == Eigen::Vector2d::Zero());
   CHECK(found.a == desired.a.head(robot.num_coordinates()));
 }
+
+} // namespace answer_test

@@ -4,6 +4,9 @@
 
 #include "torque/checks.h"
 
+namespace checks_test
+{
+
 using namespace torqued;
 
 namespace
@@ -114,3 +117,5 @@ TEST_CASE("the zero-moment point is where the total force crosses the ground", "
   equations.d << 0.0, 0.0, 5.0;
   CHECK(zero_moment_point(robot, equations) == 0.0);
 }
+
+} // namespace checks_test

@@ -8,6 +8,9 @@
 #include <functional>
 #include <numbers>
 
+namespace closed_forms_test
+{
+
 using namespace torqued;
 
 namespace
@@ -446,3 +449,5 @@ TEST_CASE("the compass needs the torques that are printed for it", "[closed_form
     }
   }
 }
+
+} // namespace closed_forms_test

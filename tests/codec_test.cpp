@@ -7,6 +7,9 @@
 #include <functional>
 #include <limits>
 
+namespace codec_test
+{
+
 using namespace torqued;
 
 namespace
@@ -440,3 +443,5 @@ TEST_CASE("a text ends with its only zero, whatever else its bytes are", "[codec
   bytes[last - 1] = bytes[last] = std::byte{'c'};
   CHECK_FALSE(decode(bytes, heard));
 }
+
+} // namespace codec_test

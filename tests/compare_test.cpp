@@ -12,6 +12,9 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
+namespace compare_test
+{
+
 using namespace torqued;
 
 namespace
@@ -263,3 +266,5 @@ TEST_CASE("measured columns that cannot be right are refused with line and colum
   CHECK(word.err.find("column ML: found \"three\"; expected a finite number, or nan or nothing where there is none") !=
         std::string::npos);
 }
+
+} // namespace compare_test

@@ -5,6 +5,9 @@
 #include "robot/strict_toml.h"
 #include "temporary_folder.h"
 
+namespace config_test
+{
+
 using namespace torqued;
 
 namespace
@@ -268,3 +271,5 @@ TEST_CASE("weights that do not fit the robot are refused before it moves", "[con
     }
   }
 }
+
+} // namespace config_test

@@ -8,6 +8,9 @@
 #include <functional>
 #include <vector>
 
+namespace constrained_test
+{
+
 using namespace torqued;
 using oracle::Vector9;
 
@@ -678,3 +681,5 @@ TEST_CASE("with nothing to choose the method is none, and conditions show as fla
   CHECK_FALSE(found.relaxed);
   CHECK((flags(now, found) & flag::tips) != 0);
 }
+
+} // namespace constrained_test

@@ -6,6 +6,9 @@
 #include "torque/contacts.h"
 #include "torque/torque_method.h"
 
+namespace contacts_test
+{
+
 using namespace torqued;
 
 namespace
@@ -183,3 +186,5 @@ TEST_CASE("a fixed root without extent does not tip", "[contacts]")
   const Robot itlag = load_robot("bip-itlag");
   CHECK(contact_flags(itlag, itlag.foot(Side::left), pose, Contact::sole, {10.0, 200.0, 500.0}) == flag::tips);
 }
+
+} // namespace contacts_test

@@ -6,6 +6,9 @@
 
 #include <functional>
 
+namespace continuity_test
+{
+
 using namespace torqued;
 using oracle::Vector9;
 
@@ -322,3 +325,5 @@ TEST_CASE("without load, or where toe and heel stand above one another, s* is un
   with_zmp(loaded.feet[1].heel.x() + 0.1);
   CHECK(mismatch(share(), 0.4, 1e-12) == "");
 }
+
+} // namespace continuity_test

@@ -7,6 +7,9 @@
 
 #include <cmath>
 
+namespace cosine_sine_test
+{
+
 using namespace torqued;
 
 namespace
@@ -80,3 +83,5 @@ TEST_CASE("what is no angle has no cosine", "[cosine_sine]")
     CHECK(std::abs(e(0, 1) - std::cos(0.5)) <= 0x1p-52);
   }
 }
+
+} // namespace cosine_sine_test

@@ -5,6 +5,9 @@
 #include "client/files.h"
 #include "robot/robot_files.h"
 
+namespace daemon_process_test
+{
+
 using namespace torqued;
 
 namespace
@@ -241,3 +244,5 @@ TEST_CASE("torqued runs with every robot that ships: it answers a desired state 
     CHECK(bench.torqued().wait() == 0);
   }
 }
+
+} // namespace daemon_process_test

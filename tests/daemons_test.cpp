@@ -6,6 +6,9 @@
 #include <algorithm>
 #include <limits>
 
+namespace daemons_test
+{
+
 using namespace torqued;
 
 namespace
@@ -173,3 +176,5 @@ TEST_CASE("whatever a stranger publishes as a status is shown as plain text, and
   CHECK(kept.size() == 100);
   CHECK(std::all_of(kept.begin(), kept.end(), [](const Daemon& one) { return one.status.instance_id >= 900; }));
 }
+
+} // namespace daemons_test

@@ -5,6 +5,9 @@
 #include <algorithm>
 #include <stdexcept>
 
+namespace diagnosis_test
+{
+
 using namespace torqued;
 
 namespace
@@ -214,3 +217,5 @@ TEST_CASE("daemons: none is remarkable, two on the same channels are wrong, two 
   facts.daemons[1].status.state = status_t::STOPPING;
   CHECK(troubles(facts).empty());
 }
+
+} // namespace diagnosis_test

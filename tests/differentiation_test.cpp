@@ -14,6 +14,9 @@
 #include <numbers>
 #include <random>
 
+namespace differentiation_test
+{
+
 using namespace torqued;
 
 namespace
@@ -465,3 +468,5 @@ TEST_CASE("units are told from their effect", "[differentiation]")
   millimetres.written.positions.rightCols(2) *= 1000.0;
   CHECK(doubt_units(millimetres.written).sentences.size() == 1);
 }
+
+} // namespace differentiation_test

@@ -8,6 +8,9 @@
 #include <nlohmann/json.hpp>
 #include <sys/socket.h>
 
+namespace doctor_process_test
+{
+
 using namespace torqued;
 
 namespace
@@ -230,3 +233,5 @@ TEST_CASE("on a terminal status is live until Ctrl-C", "[doctor_process]")
   CHECK(pages >= 3); // four a second, on a machine that may be slow
   CHECK(contains(said.text, "WAITING"));
 }
+
+} // namespace doctor_process_test

@@ -7,6 +7,9 @@
 
 #include <functional>
 
+namespace double_support_test
+{
+
 using namespace torqued;
 using oracle::Vector9;
 
@@ -770,3 +773,5 @@ TEST_CASE("every robot that stands on two feet is served by every method, and le
       }
   CHECK(answered > 500 * (kStates / 40));
 }
+
+} // namespace double_support_test

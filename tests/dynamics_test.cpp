@@ -4,6 +4,9 @@
 
 #include "planar/dynamics.h"
 
+namespace dynamics_test
+{
+
 using namespace torqued;
 
 namespace
@@ -125,3 +128,5 @@ TEST_CASE("a point's velocity and acceleration are the time derivatives of its p
     CHECK(mismatch((at(h) - 2.0 * at(0.0) + at(-h)) / (h * h), acceleration, 1e-5) == "");
   }
 }
+
+} // namespace dynamics_test

@@ -9,6 +9,9 @@
 
 #include <functional>
 
+namespace elimination_test
+{
+
 using namespace torqued;
 
 namespace
@@ -401,3 +404,5 @@ TEST_CASE("a fixed root's own contact leaves all coordinates free, and more cont
     CHECK(mismatch(of_six.J * found.F, MatrixXd::Zero(2, 4), 1e-12) == "");
   }
 }
+
+} // namespace elimination_test

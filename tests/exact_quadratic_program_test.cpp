@@ -9,6 +9,9 @@
 #include <CGAL/QP_functions.h>
 #include <CGAL/QP_models.h>
 
+namespace exact_quadratic_program_test
+{
+
 using namespace torqued;
 
 namespace
@@ -138,3 +141,5 @@ TEST_CASE("the solution of whole numbers is the exact one", "[exact_quadratic_pr
   CHECK(infeasible_ones > 0.15 * kPrograms);
   CHECK(infeasible_ones < 0.6 * kPrograms);
 }
+
+} // namespace exact_quadratic_program_test

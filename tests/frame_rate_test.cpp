@@ -10,6 +10,9 @@
 #include <utility>
 #include <vector>
 
+namespace frame_rate_test
+{
+
 using namespace torqued;
 
 namespace
@@ -216,3 +219,5 @@ TEST_CASE("numbers may have lost half a unit of their last digit, or of a float'
   for (const double error : rounding_errors({1.0 / 3.0, 2.0 / 3.0}))
     CHECK(error < 1e-15);
 }
+
+} // namespace frame_rate_test

@@ -14,6 +14,9 @@
 #include <map>
 #include <numbers>
 
+namespace gait_test
+{
+
 using namespace torqued;
 
 namespace
@@ -726,3 +729,5 @@ TEST_CASE("torquectl compare shows what each method makes of a walk", "[gait]")
                                        "NOT_SUPPORTED 1; torquectl eval says what was refused\n",
                                        flight)));
 }
+
+} // namespace gait_test

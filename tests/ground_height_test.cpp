@@ -11,6 +11,9 @@
 #include <memory>
 #include <string>
 
+namespace ground_height_test
+{
+
 using namespace torqued;
 
 // Where the ground is: no torque depends on the world's zero, and a contact that carries lies on z = 0.
@@ -352,3 +355,5 @@ TEST_CASE("measured soles lie a little under the ground, and are not told to be 
   }
   CHECK(below > 100);
 }
+
+} // namespace ground_height_test

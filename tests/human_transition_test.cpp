@@ -4,6 +4,9 @@
 
 #include "torque/checks.h"
 
+namespace human_transition_test
+{
+
 using namespace torqued;
 
 namespace
@@ -216,3 +219,5 @@ TEST_CASE("where a human transition's lever is nothing it says so, and a robot o
   now.equations.now.base.y() -= 5.0;
   CHECK(solve({}).w(now.support().row(other(now.support().leading))) == 0.0);
 }
+
+} // namespace human_transition_test

@@ -9,6 +9,9 @@
 
 #include <Eigen/Geometry>
 
+namespace laws_test
+{
+
 using namespace torqued;
 
 namespace
@@ -573,3 +576,5 @@ TEST_CASE("a robot's friction acts on the angles that its motors turn", "[laws]"
     CHECK(mismatch(joint_friction(robot, VectorQ(V), VectorQ(A)), expected, kRounding) == "");
   }
 }
+
+} // namespace laws_test

@@ -10,6 +10,9 @@
 #include <sys/eventfd.h>
 #include <unistd.h>
 
+namespace lcm_loop_test
+{
+
 using namespace torqued;
 
 namespace
@@ -433,3 +436,5 @@ TEST_CASE("a repeated refusal is logged once a second, in no more than spdlog ke
   CHECK(bench.rejections[0].detail.size() > 170); // so that it would be longer
   CHECK(log.size() < 250 + std::string("[2026-01-01 00:00:00.000] [test] [warning] ").size());
 }
+
+} // namespace lcm_loop_test

@@ -9,6 +9,9 @@
 #include <torqued/status_t.hpp>
 #include <torqued/torque_command_t.hpp>
 
+namespace lcmtypes_test
+{
+
 using namespace torqued;
 
 TEST_CASE("the fingerprints are those that clients, logs and other languages know", "[lcmtypes]")
@@ -56,3 +59,5 @@ TEST_CASE("the constants are those that clients, logs and other languages know",
         std::vector<int>{0, 1, 2, 3, 4, 5});
   CHECK(std::vector<int>{M::LEFT, M::RIGHT} == std::vector<int>{0, 1});
 }
+
+} // namespace lcmtypes_test

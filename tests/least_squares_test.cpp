@@ -7,6 +7,9 @@
 
 #include "torque/least_squares.h"
 
+namespace least_squares_test
+{
+
 using namespace torqued;
 
 namespace
@@ -93,3 +96,5 @@ TEST_CASE("columns no longer than rounding have no least sum", "[least_squares]"
   CHECK_FALSE(sum.by_gram_schmidt(3, 1e-8));
   CHECK(sum.normal(3).solution(0.0));
 }
+
+} // namespace least_squares_test

@@ -4,6 +4,9 @@
 
 #include "torque/checks.h"
 
+namespace linear_transition_test
+{
+
 using namespace torqued;
 
 namespace
@@ -232,3 +235,5 @@ TEST_CASE("contact points above one another leave the normal forces undetermined
   REQUIRE(std::holds_alternative<Refusal>(refused));
   CHECK(std::get<Refusal>(refused).reason() == Reason::numerical);
 }
+
+} // namespace linear_transition_test

@@ -6,6 +6,9 @@
 
 #include <cmath>
 
+namespace live_motion_test
+{
+
 using namespace torqued;
 using namespace std::chrono_literals;
 
@@ -183,3 +186,5 @@ TEST_CASE("what makes no sense for the robot is passed over", "[live_motion]")
   live.hear(of_another, kStart);
   CHECK_FALSE(live.window(kStart + 1h).at(0).runs[0].answers[0]);
 }
+
+} // namespace live_motion_test

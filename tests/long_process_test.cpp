@@ -11,6 +11,9 @@
 #include <random>
 #include <sstream>
 
+namespace long_process_test
+{
+
 using namespace torqued;
 
 namespace
@@ -317,3 +320,5 @@ TEST_CASE("a long run on a bad network keeps account, memory, descriptors, statu
   bench.torqued().signal(SIGTERM);
   CHECK(bench.torqued().wait() == 0);
 }
+
+} // namespace long_process_test

@@ -7,6 +7,9 @@
 #include <complex>
 #include <numbers>
 
+namespace lowpass_test
+{
+
 using namespace torqued;
 
 namespace
@@ -72,3 +75,5 @@ TEST_CASE("the low-pass is linear, and shorter motions than its padding are padd
   CHECK(mismatch(lowpass(2.0 * x - 3.0 * y, kRate, 6.0), 2.0 * lowpass(x, kRate, 6.0) - 3.0 * lowpass(y, kRate, 6.0),
                  1e-13) == "");
 }
+
+} // namespace lowpass_test

@@ -4,6 +4,9 @@
 #include <cstdlib>
 #include <fmt/format.h>
 
+namespace machines_process_test
+{
+
 using namespace torqued;
 
 namespace
@@ -115,3 +118,5 @@ TEST_CASE("daemon, client and logger on three machines: all is answered, and the
   CHECK(std::count(human_csv.begin(), human_csv.end(), '\n') >= 447);
   bench.check_account();
 }
+
+} // namespace machines_process_test

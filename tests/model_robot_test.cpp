@@ -10,6 +10,9 @@
 
 #include <cmath>
 
+namespace model_robot_test
+{
+
 using namespace torqued;
 
 namespace
@@ -139,3 +142,5 @@ TEST_CASE("a model message that describes no robot is refused in one sentence", 
               m.parents.clear();
             }) != "");
 }
+
+} // namespace model_robot_test

@@ -7,6 +7,9 @@
 
 #include "torque/equations.h"
 
+namespace mujoco_test
+{
+
 using namespace torqued;
 
 namespace
@@ -145,3 +148,5 @@ TEST_CASE("MuJoCo's armature is our rotor inertia", "[mujoco]")
     CHECK(mismatch(std::get<SupportEquations>(equations).r, model.ours(model.data().qfrc_inverse), kTolerance) == "");
   }
 }
+
+} // namespace mujoco_test

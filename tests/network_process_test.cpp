@@ -4,6 +4,9 @@
 
 #include <fmt/format.h>
 
+namespace network_process_test
+{
+
 using namespace torqued;
 
 namespace
@@ -334,3 +337,5 @@ TEST_CASE("packets that end within their channel's name are nobody's messages, a
   bench.torqued().signal(SIGTERM);
   CHECK(bench.torqued().wait() == 0);
 }
+
+} // namespace network_process_test

@@ -9,6 +9,9 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 
+namespace newton_euler_test
+{
+
 using namespace torqued;
 
 namespace
@@ -226,3 +229,5 @@ TEST_CASE("a link's own matrices give its net wrench, its energy, and C is skew"
     CHECK((link_B.C + link_B.C.transpose()).isZero(0.0));
   }
 }
+
+} // namespace newton_euler_test

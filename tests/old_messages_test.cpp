@@ -10,6 +10,9 @@
 #include <bit>
 #include <cmath>
 
+namespace old_messages_test
+{
+
 using namespace torqued;
 
 namespace
@@ -219,3 +222,5 @@ TEST_CASE("an older daemon is heard, too", "[old_messages]")
   REQUIRE(daemons.size() == 1);
   CHECK(same(daemons[0].status, some_status()));
 }
+
+} // namespace old_messages_test

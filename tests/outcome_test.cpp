@@ -3,6 +3,9 @@
 
 #include "client/outcome.h"
 
+namespace outcome_test
+{
+
 using namespace torqued;
 
 namespace
@@ -87,3 +90,5 @@ TEST_CASE("a jump counts where contacts change, by the kind of change", "[outcom
   answers[1].reset();
   CHECK(outcome_of(robot, states, answers, changes).jumps == std::vector<double>{0.0, 2.0});
 }
+
+} // namespace outcome_test

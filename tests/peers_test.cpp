@@ -9,6 +9,9 @@
 
 #include <array>
 
+namespace peers_test
+{
+
 using namespace torqued;
 
 namespace
@@ -57,3 +60,5 @@ TEST_CASE("No engine is told of a robot with a fixed root", "[peers]")
   for (const auto& make : kEngines)
     CHECK_THROWS_WITH(make(robot), Catch::Matchers::StartsWith("bip-itlag has a fixed root"));
 }
+
+} // namespace peers_test

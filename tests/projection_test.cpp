@@ -11,6 +11,9 @@
 
 #include <cmath>
 
+namespace projection_test
+{
+
 using namespace torqued;
 using oracle::Vector9;
 
@@ -547,3 +550,5 @@ TEST_CASE("torquectl project says what it cannot use", "[projection]")
   CHECK(terminal.out.find("moved") == std::string::npos);
   CHECK(terminal.err.find("and was moved by up to\n") != std::string::npos);
 }
+
+} // namespace projection_test

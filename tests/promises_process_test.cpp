@@ -14,6 +14,9 @@
 #include <sys/stat.h>
 #include <sys/un.h>
 
+namespace promises_process_test
+{
+
 using namespace torqued;
 
 namespace
@@ -476,3 +479,5 @@ TEST_CASE("a wall clock that is an hour off, and jumps by hours, changes nothing
   bench.check_account();
 }
 #endif
+
+} // namespace promises_process_test

@@ -7,6 +7,9 @@
 
 #include <Eigen/LU>
 
+namespace quadratic_program_test
+{
+
 using namespace torqued;
 using enum QuadraticProgramStatus;
 
@@ -825,3 +828,5 @@ TEST_CASE("least violation: rows that contradict each other share it, as near as
     CHECK(least_violation(rows, -4.0 * x).status == infeasible);
   }
 }
+
+} // namespace quadratic_program_test

@@ -7,6 +7,9 @@
 #include "torque/joint_friction.h"
 #include "torque/regressor.h"
 
+namespace regressor_test
+{
+
 using namespace torqued;
 
 namespace
@@ -175,3 +178,5 @@ TEST_CASE("friction shows in Y at any rate, however slow its own", "[regressor]"
     }
   }
 }
+
+} // namespace regressor_test

@@ -14,6 +14,9 @@
 #include <map>
 #include <nlohmann/json.hpp>
 
+namespace report_test
+{
+
 using namespace torqued;
 
 namespace
@@ -407,3 +410,5 @@ TEST_CASE("report says what it cannot show", "[report]")
   fails({"report", folder.file("nameless.lcm"), "-o", page}, 65,
         "nameless.lcm holds no model_info_t, which would name its robot: say --robot NAME|FILE");
 }
+
+} // namespace report_test

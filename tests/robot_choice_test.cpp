@@ -10,6 +10,9 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+namespace robot_choice_test
+{
+
 using namespace torqued;
 
 namespace
@@ -429,3 +432,5 @@ TEST_CASE("a log is used with the robot of its model message, and with no other"
     CHECK(read_file(csv) == read_file(alone));
   }
 }
+
+} // namespace robot_choice_test

@@ -11,6 +11,9 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
+namespace robot_test
+{
+
 using namespace torqued;
 
 namespace
@@ -466,3 +469,5 @@ TEST_CASE("numbers that are useless together are refused", "[robot]")
   CHECK(complaint(changed(draw, strokes + "]")).find("link 'trunk': draw: found 17 strokes; expected at most 16") !=
         std::string::npos);
 }
+
+} // namespace robot_test

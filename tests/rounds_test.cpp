@@ -9,6 +9,9 @@
 #include <regex>
 #include <stdexcept>
 
+namespace rounds_test
+{
+
 using namespace torqued::bench;
 
 namespace
@@ -256,3 +259,5 @@ TEST_CASE("the page shows names as they are, whatever they contain", "[rounds]")
   for (const char* raw : {"<i>", "<b>", "<u>", "& "})
     CHECK(html.find(raw) == std::string::npos);
 }
+
+} // namespace rounds_test

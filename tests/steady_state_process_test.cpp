@@ -7,6 +7,9 @@
 #include <sstream>
 #include <thread>
 
+namespace steady_state_process_test
+{
+
 using namespace torqued;
 
 namespace
@@ -124,3 +127,5 @@ TEST_CASE("between a sample and its command torqued does nothing but receive, se
   }
   CHECK(sent >= 300);
 }
+
+} // namespace steady_state_process_test

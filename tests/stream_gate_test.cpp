@@ -6,6 +6,9 @@
 #include <limits>
 #include <random>
 
+namespace stream_gate_test
+{
+
 using namespace torqued;
 
 namespace
@@ -195,3 +198,5 @@ TEST_CASE("latency percentiles are nearest ranks, and each period starts anew", 
   latencies.add(9.0);
   CHECK(latencies.take().max == 9.0);
 }
+
+} // namespace stream_gate_test

@@ -17,6 +17,9 @@
 #include <vector>
 #include <zlib.h>
 
+namespace table_text_test
+{
+
 using namespace torqued;
 using namespace std::string_literals;
 
@@ -375,3 +378,5 @@ TEST_CASE("OpenSim's header says whether angles are in degrees", "[table_text]")
   // a unit beside the name is nearer
   CHECK(names_of("x\ninDegrees=yes\nendheader\ntime q0(rad)\n0 1\n").factors == std::vector{1.0, 1.0});
 }
+
+} // namespace table_text_test

@@ -5,6 +5,9 @@
 #include <stdexcept>
 #include <thread>
 
+namespace torque_client_process_test
+{
+
 using namespace torqued;
 using namespace std::chrono_literals;
 
@@ -172,3 +175,5 @@ TEST_CASE("a client with another prefix hears nothing, and a bus that is none is
   CHECK_FALSE(elsewhere.model());
   CHECK_THROWS_AS(TorqueClient("nonsense://"), std::runtime_error);
 }
+
+} // namespace torque_client_process_test

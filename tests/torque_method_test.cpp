@@ -5,6 +5,9 @@
 
 #include "torque/checks.h"
 
+namespace torque_method_test
+{
+
 using namespace torqued;
 
 namespace
@@ -505,3 +508,5 @@ TEST_CASE(
     }
   }
 }
+
+} // namespace torque_method_test

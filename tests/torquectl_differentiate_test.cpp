@@ -10,6 +10,9 @@
 #include <string>
 #include <vector>
 
+namespace torquectl_differentiate_test
+{
+
 using namespace torqued;
 
 namespace
@@ -206,3 +209,5 @@ TEST_CASE("every subcommand that differentiates says what it did", "[torquectl_d
   const Run given = run({"eval", walk, "--robot", "human-subject01", "-o", folder.file("o.csv")});
   CHECK(given.code == 65);
 }
+
+} // namespace torquectl_differentiate_test

@@ -12,6 +12,9 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
+namespace torquectl_dynamics_test
+{
+
 using namespace torqued;
 
 namespace
@@ -318,3 +321,5 @@ TEST_CASE("the multipliers are the ground reactions, whatever the elimination, a
     CHECK(run(words).code == 64);
   }
 }
+
+} // namespace torquectl_dynamics_test

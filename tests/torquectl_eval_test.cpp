@@ -19,6 +19,9 @@
 #include <stdio_ext.h>
 #include <unistd.h>
 
+namespace torquectl_eval_test
+{
+
 using namespace torqued;
 
 namespace
@@ -788,3 +791,5 @@ TEST_CASE("what of a URDF is not read is said wherever the robot is loaded", "[t
     CHECK(run(words).err.find("<dynamics damping=2> is not read: set viscous in the TOML\n") != std::string::npos);
   }
 }
+
+} // namespace torquectl_eval_test

@@ -13,6 +13,9 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
+namespace torquectl_process_test
+{
+
 using namespace torqued;
 
 namespace
@@ -299,3 +302,5 @@ TEST_CASE("a robot that does not ship is shown as torqued says, and gets no othe
   CHECK(read_file(folder.file("echo.csv")).find(fmt::format("\n# robot: ck\n# model_id: {}\n", id)) !=
         std::string::npos);
 }
+
+} // namespace torquectl_process_test

@@ -24,6 +24,9 @@
 #include <sstream>
 #include <unistd.h>
 
+namespace trajectory_test
+{
+
 using namespace torqued;
 
 namespace
@@ -892,3 +895,5 @@ TEST_CASE("a log on a full disk is said not to be written, whether by its last b
   CHECK_THROWS_WITH(write(), why);
   CHECK_THROWS_WITH(LogWriter("/nowhere/log"), "/nowhere/log: cannot be written: No such file or directory");
 }
+
+} // namespace trajectory_test

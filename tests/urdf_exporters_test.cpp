@@ -7,6 +7,9 @@
 
 #include "robot/robot_files.h"
 
+namespace urdf_exporters_test
+{
+
 using namespace torqued;
 
 TEST_CASE("a frame turned by a rounded angle gives the numbers of the exact one", "[urdf_exporters]")
@@ -247,3 +250,5 @@ TEST_CASE("a name may have 64 characters, and a refusal shows all of a longer on
   const std::string found = with_head(link_element(longest + "m")).complaint();
   CHECK(found.find("name: found \"" + longest + "m\" of 65 characters; expected 1 to 64 letters") != std::string::npos);
 }
+
+} // namespace urdf_exporters_test

@@ -5,6 +5,9 @@
 
 #include "robot/robot_files.h"
 
+namespace urdf_notes_test
+{
+
 using namespace torqued;
 
 TEST_CASE("what a URDF says of motors and no robot reads is named, joint by joint", "[urdf_notes]")
@@ -164,3 +167,5 @@ TEST_CASE("what might be mechanics is never passed over", "[urdf_notes]")
     CHECK(found.find(message) != std::string::npos);
   }
 }
+
+} // namespace urdf_notes_test

@@ -7,6 +7,9 @@
 #include "robot/robot_files.h"
 #include "robot/strict_toml.h"
 
+namespace urdf_test
+{
+
 using namespace torqued;
 
 namespace
@@ -830,3 +833,5 @@ TEST_CASE("a URDF that is cut anywhere is refused", "[urdf]")
     if (complaint(kTurned.substr(0, length)).empty())
       FAIL("cut after " << length << " bytes it was read");
 }
+
+} // namespace urdf_test

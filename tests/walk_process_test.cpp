@@ -11,6 +11,9 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
+namespace walk_process_test
+{
+
 using namespace torqued;
 
 namespace
@@ -139,3 +142,5 @@ TEST_CASE("a walk through the daemon is answered sample for sample, and evaluate
   const std::string table = read_file(csv);
   CHECK(std::count(table.begin(), table.end(), '\n') >= 448);
 }
+
+} // namespace walk_process_test

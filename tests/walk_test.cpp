@@ -9,6 +9,9 @@
 #include <charconv>
 #include <cmath>
 
+namespace walk_test
+{
+
 using namespace torqued;
 
 namespace
@@ -72,3 +75,5 @@ TEST_CASE("the measured walk's total ground reaction is what the plates measured
   CHECK(rms_x < 22.0);
   CHECK(rms_z < 30.0);
 }
+
+} // namespace walk_test

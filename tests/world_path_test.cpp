@@ -4,6 +4,9 @@
 #include "client/gait.h"
 #include "client/world_path.h"
 
+namespace world_path_test
+{
+
 using namespace torqued;
 
 namespace
@@ -70,3 +73,5 @@ TEST_CASE("flight that does not say where it is has no place", "[world_path]")
   state.support = {{Contact::none, Contact::none}, Side::left, 0.0, 0.0};
   CHECK_FALSE(WorldPath(robot).next(state));
 }
+
+} // namespace world_path_test
