@@ -47,6 +47,7 @@ public:
       unwrap_angles();
     samples_ = find_samples(written_.times, positions_, lines_);
     notes_.insert(notes_.end(), samples_.notes.begin(), samples_.notes.end());
+    check_ends();
     if (how_.lowpass)
       check_lowpass();
     for (Eigen::Index j = 0; j < positions_.cols(); ++j)
@@ -87,6 +88,30 @@ private:
                      fmt::format("a step of {:.4g} {} from the sample before, where those around it make expect {:.2g}",
                                  jump->size, is_angle(column) ? "rad" : "m", jump->usual),
                      "a motion without jumps");
+  }
+
+  // Frozen frames at an end: nothing lies beyond them that a bridge could stand on. A recording that repeats every
+  // frame ends with one, and goes on until half a frame before.
+  void check_ends() const
+  {
+    const std::vector<bool>& frozen = samples_.is_frozen;
+    const std::size_t at_start =
+        static_cast<std::size_t>(std::find(frozen.begin(), frozen.end(), false) - frozen.begin());
+    const std::size_t at_end =
+        static_cast<std::size_t>(std::find(frozen.rbegin(), frozen.rend(), false) - frozen.rbegin());
+    const bool repeats = at_end == 1 && std::count(frozen.begin(), frozen.end(), true) > 2;
+    const auto fail = [&](std::size_t row, std::size_t count, std::string_view where)
+    {
+      throw Failure(
+          ExitCode::bad_data,
+          fmt::format("{}:{}: found {} frozen frame{} at the motion's {}, while it moves on; expected a motion "
+                      "without: leave {} out",
+                      file_, line(row), count, count == 1 ? "" : "s", where, count == 1 ? "this row" : "these rows"));
+    };
+    if (at_start > 0)
+      fail(0, at_start, "beginning");
+    if (at_end > 0 && !repeats)
+      fail(frozen.size() - at_end, at_end, "end");
   }
 
   void check_lowpass() const
@@ -262,6 +287,31 @@ private:
     }
     if (!note.empty())
       notes_.push_back(std::move(note));
+    note_ends(accelerations);
+  }
+
+  // A last, or first, sample that does not go on as those before it bends the spline there, and nowhere else.
+  void note_ends(const Eigen::MatrixXd& accelerations)
+  {
+    constexpr Eigen::Index end = 6;
+    constexpr double notable = 4.0; // of the largest acceleration inside
+    const Eigen::Index n = accelerations.rows();
+    if (n < 6 * end)
+      return;
+    const auto inside = accelerations.middleRows(end, n - 2 * end).cwiseAbs().colwise().maxCoeff().eval();
+    for (const bool first : {true, false})
+    {
+      const auto largest =
+          (first ? accelerations.topRows(end) : accelerations.bottomRows(end)).cwiseAbs().colwise().maxCoeff().eval();
+      Eigen::Index column = 0;
+      const double ratio = (largest.array() / inside.array().max(kNotableAcceleration)).maxCoeff(&column);
+      if (ratio > notable)
+        notes_.push_back(
+            fmt::format("accelerations at the motion's {} reach {:.3g} {} in column {}, and {:.3g} elsewhere: "
+                        "its {} samples do not go on like the others",
+                        first ? "beginning" : "end", largest(column), is_angle(column) ? "rad/s²" : "m/s²",
+                        printable(name(column)), inside(column), first ? "first" : "last"));
+    }
   }
 
   const WrittenMotion& written_;

@@ -96,6 +96,21 @@ std::vector<FrozenRows> find_frozen_rows(const Eigen::VectorXd& times, double st
   if (const auto [first, last] = postures.back(); !frozen.empty() && last > first)
     if (const auto& before = frozen.back(); before.last == postures[postures.size() - 2].last)
       frozen.push_back({first + 1, last});
+
+  // at the ends nothing follows, or nothing went before: what moves there as fast as usual does not stop in one frame
+  const auto stops_at_once = [&](const Posture& posture, Eigen::Index beside)
+  {
+    const auto [from, to] = std::minmax({beside, beside > posture.last ? posture.last : posture.first});
+    const Eigen::RowVectorXd rate = (motion.row(to) - motion.row(from)) / (times(to) - times(from));
+    return posture.last > posture.first && times(posture.last) - times(posture.first) <= kShortestHold + 0.5 * step &&
+           rate.norm() > 0.25 * usual && (rate.array().abs() * step > 3.0 * units.array()).any();
+  };
+  if (const Posture& start = postures.front(); stops_at_once(start, start.last + 1))
+    if (frozen.empty() || frozen.front().first > start.last)
+      frozen.insert(frozen.begin(), {start.first, start.last - 1});
+  if (const Posture& end = postures.back(); stops_at_once(end, end.first - 1))
+    if (frozen.empty() || frozen.back().last < end.first)
+      frozen.push_back({end.first + 1, end.last});
   return frozen;
 }
 

@@ -98,6 +98,38 @@ std::optional<std::string> time_doubt(const WrittenMotion& motion)
                      motion.time_column, *unit, expected, step, expected);
 }
 
+// Whether the velocities are in degrees per second beside angles in rad.
+std::optional<std::string> velocity_doubt(const WrittenMotion& motion)
+{
+  constexpr double degrees = 180.0 / std::numbers::pi;
+  const auto ratio = motion.velocities.size() > 0 && motion.times.size() >= 4 ? velocity_ratio(motion) : std::nullopt;
+  if (!ratio || std::abs(*ratio / degrees - 1.0) > 0.2)
+    return {};
+  return fmt::format("velocities seem to be in degrees per second, not in rad/s: they are {:.3g} times as large as the "
+                     "angles' change over the time",
+                     *ratio);
+}
+
+// The widest row: the largest difference between two angles at one time, and that row.
+std::pair<double, Eigen::Index> widest_row(const WrittenMotion& motion)
+{
+  std::pair<double, Eigen::Index> widest{0.0, 0};
+  for (Eigen::Index i = 0; i < motion.positions.rows(); ++i)
+  {
+    double low = INFINITY, high = -INFINITY;
+    for (Eigen::Index j = 0; j < motion.positions.cols(); ++j)
+      if (const double angle = motion.positions(i, j);
+          motion.is_angle[static_cast<std::size_t>(j)] && std::isfinite(angle))
+      {
+        low = std::min(low, angle);
+        high = std::max(high, angle);
+      }
+    if (high - low > widest.first)
+      widest = {high - low, i};
+  }
+  return widest;
+}
+
 std::optional<std::string> angle_doubt(const WrittenMotion& motion)
 {
   constexpr double turn = 2.0 * std::numbers::pi, widest = 3.5, largest_in_degrees = 720.0;
@@ -126,6 +158,11 @@ std::optional<std::string> angle_doubt(const WrittenMotion& motion)
                         "taken to be in rad",
                         motion.columns[static_cast<std::size_t>(j)], low, high);
   }
+  // two links at more than a turn from one another, and one link that was unwrapped apart
+  if (const auto [width, row] = widest_row(motion); !doubt && width > 1.25 * turn)
+    doubt = fmt::format("angles seem to be in degrees, not in radians: at time {:.6g} s two of them differ by {:.4g}; "
+                        "they were taken to be in rad",
+                        motion.times[static_cast<std::size_t>(row)], width);
   return largest <= largest_in_degrees ? doubt : std::nullopt;
 }
 
@@ -151,6 +188,8 @@ UnitDoubts doubt_units(const WrittenMotion& motion)
 {
   UnitDoubts doubts;
   if (auto sentence = time_doubt(motion))
+    doubts.sentences.push_back(std::move(*sentence));
+  if (auto sentence = velocity_doubt(motion))
     doubts.sentences.push_back(std::move(*sentence));
   if (auto sentence = angle_doubt(motion))
   {

@@ -29,8 +29,9 @@ struct UnitDoubts
 
 /// Times in ms, µs or ns where s are expected, ns or ms where µs are: the velocities' integral misses the positions by
 /// that factor, or without velocities a moving robot's steps are longer than 0.5 s, or the whole motion lasts less than
-/// 0.05 s. Angles in degrees: they reach more than a turn, or one coordinate's range is more than 3.5 rad, and are no
-/// more than two turns in degrees. A base in mm: more than 50 m high. Nothing is converted.
+/// 0.05 s. Velocities in degrees per second: the same, by 57.3. Angles in degrees: they reach more than a turn, two of
+/// a row differ by more than a turn and a quarter, or one coordinate's range is more than 3.5 rad, and are no more than
+/// two turns in degrees. A base in mm: more than 50 m high. Nothing is converted.
 UnitDoubts doubt_units(const WrittenMotion& motion);
 
 } // namespace torqued

@@ -257,6 +257,58 @@ TEST_CASE("frozen frames up to 0.1 s are bridged, longer ones refused", "[differ
         "after the first row on (line 101); expected gaps of 0.1 s at most, which are bridged");
 }
 
+TEST_CASE("frozen frames at an end are refused, for nothing lies beyond them", "[differentiation]")
+{
+  for (const Eigen::Index count : {1, 2, 10})
+  {
+    CAPTURE(count);
+    Recording end(frames(100.0, 200));
+    end.written.positions.bottomRows(count).rowwise() = end.written.positions.row(199 - count).eval();
+    CHECK(end.complaint() == fmt::format("t.csv:{}: found {} frozen frame{} at the motion's end, while it moves on; "
+                                         "expected a motion without: leave {} out",
+                                         202 - count, count, count == 1 ? "" : "s",
+                                         count == 1 ? "this row" : "these rows"));
+    Recording start(frames(100.0, 200));
+    start.written.positions.topRows(count).rowwise() = start.written.positions.row(count).eval();
+    CHECK_THAT(start.complaint(), Catch::Matchers::StartsWith(fmt::format("t.csv:2: found {} frozen frame", count)));
+  }
+  // a motion that comes to rest, in digits as files have them, is none
+  const auto smooth = [](double s)
+  {
+    s = std::clamp(s, 0.0, 1.0);
+    return s * s * s * (10.0 - 15.0 * s + 6.0 * s * s);
+  };
+  for (const double rest : {0.0, 0.02, 0.05, 0.3})
+    for (const int digits : {3, 6})
+    {
+      CAPTURE(rest, digits);
+      Recording recording(frames(100.0, 100),
+                          [&](double t) -> Eigen::RowVector4d
+                          {
+                            const double s = smooth((t - rest) / (0.99 - 2.0 * rest));
+                            return {0.5 * s, -0.7 * s, 0.1 * s, 0.9 + 0.1 * s};
+                          });
+      for (double& x : recording.written.positions.reshaped())
+        x = rounded(x, digits);
+      CHECK(recording.complaint() == "");
+    }
+}
+
+TEST_CASE("a last or first sample that does not go on as the others is noted", "[differentiation]")
+{
+  CHECK_FALSE(has(Recording(frames(100.0, 200)).found().notes, "do not go on like the others"));
+  for (const Eigen::Index row : {0, 199})
+  {
+    Recording recording(frames(100.0, 200));
+    recording.written.positions(row, 1) += 0.02;
+    const auto notes = recording.found().notes;
+    CAPTURE(notes);
+    CHECK(has(notes,
+              row == 0 ? "accelerations at the motion's beginning reach" : "accelerations at the motion's end reach"));
+    CHECK(has(notes, "in column p1"));
+  }
+}
+
 TEST_CASE("a recording that shows every frame twice is one of half its rate", "[differentiation]")
 {
   Recording recording(frames(100.0, 200));
@@ -467,6 +519,20 @@ TEST_CASE("units are told from their effect", "[differentiation]")
   Recording millimetres(frames(100.0, 10));
   millimetres.written.positions.rightCols(2) *= 1000.0;
   CHECK(doubt_units(millimetres.written).sentences.size() == 1);
+  // a quiet stance whose links differ by more than a turn, and velocities alone
+  Recording quiet(frames(100.0, 50), [](double) -> Eigen::RowVector4d { return {5.0, -5.0, 0.0, 0.9}; });
+  CHECK(doubt_units(quiet.written).degrees);
+  Recording bent(frames(100.0, 50), [](double) -> Eigen::RowVector4d { return {1.5, -1.5, 0.0, 0.9}; });
+  CHECK(doubt_units(bent.written).sentences.empty());
+  Recording rates(frames(100.0, 200));
+  rates.written.velocities.resize(200, 4);
+  for (Eigen::Index i = 0; i < 200; ++i)
+    rates.written.velocities.row(i) =
+        100.0 * (position(0.01 * static_cast<double>(i) + 0.005) - position(0.01 * static_cast<double>(i) - 0.005));
+  CHECK(doubt_units(rates.written).sentences.empty());
+  rates.written.velocities *= 360.0 / kTurn;
+  REQUIRE(doubt_units(rates.written).sentences.size() == 1);
+  CHECK(doubt_units(rates.written).sentences[0].starts_with("velocities seem to be in degrees per second"));
 }
 
 } // namespace differentiation_test
