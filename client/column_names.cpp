@@ -152,7 +152,8 @@ private:
       const bool any_case = form == 2;
       std::multimap<std::string, const KnownColumn*> known;
       for (const KnownColumn& column : known_)
-        known.emplace(any_case ? lower_case(column.name) : column.name, &column);
+        if (column.any_case || !any_case)
+          known.emplace(any_case ? lower_case(column.name) : column.name, &column);
       std::set<const KnownColumn*> now;
       for (std::size_t i = 0; i < header_.cells.size(); ++i)
       {

@@ -18,7 +18,8 @@ struct KnownColumn
 {
   std::string name;
   Quantity quantity = Quantity::word;
-  int order = 0; ///< of its derivative by time
+  int order = 0;        ///< of its derivative by time
+  bool any_case = true; ///< whether a name in another case is this column, too
 };
 
 /// The columns of a table.

@@ -5,6 +5,7 @@
 #include "client/differentiation.h"
 #include "client/failure.h"
 #include "client/motion_columns.h"
+#include "client/plain_text.h"
 #include "client/support_course.h"
 #include "client/table_text.h"
 #include "robot/printable.h"
@@ -154,17 +155,20 @@ private:
 
   std::int8_t contact(std::size_t column) const
   {
+    const std::string word = lower_case(cell(column));
     for (const Contact contact : {Contact::none, Contact::heel, Contact::sole, Contact::toe})
-      if (cell(column) == name_of(contact) || cell(column) == std::to_string(static_cast<int>(contact)))
+      if (word == name_of(contact) || word == std::to_string(static_cast<int>(contact)))
         return static_cast<std::int8_t>(contact);
     fail(columns_.names[column], quoted_cell(cell(column)), "0, 1, 2, 3, or none, heel, sole, toe");
   }
 
   std::int8_t leading() const
   {
-    if (cell(*columns_.leading) != "L" && cell(*columns_.leading) != "R")
+    const std::string word = lower_case(cell(*columns_.leading));
+    const bool left = word == "l" || word == name_of(Side::left);
+    if (!left && word != "r" && word != name_of(Side::right))
       fail("leading", quoted_cell(cell(*columns_.leading)), "L or R");
-    return cell(*columns_.leading) == "L" ? desired_state_t::LEFT : desired_state_t::RIGHT;
+    return left ? desired_state_t::LEFT : desired_state_t::RIGHT;
   }
 
   std::int8_t method() const
@@ -241,7 +245,8 @@ private:
     state.utime = time();
     state.stream_id = 1;
     state.coordinates = columns_.relative ? desired_state_t::RELATIVE : desired_state_t::ABSOLUTE;
-    state.base = columns_.base_given ? desired_state_t::GIVEN : desired_state_t::FROM_CONTACT;
+    const bool base_given = columns_.base_given && !is_base_empty();
+    state.base = base_given ? desired_state_t::GIVEN : desired_state_t::FROM_CONTACT;
     state.left_contact = contact(columns_.contacts[0]);
     state.right_contact = contact(columns_.contacts[1]);
     state.leading_foot = columns_.leading ? leading() : std::int8_t{};
@@ -255,7 +260,8 @@ private:
     for (std::size_t order = 0; order < 3; ++order)
     {
       angles[order]->resize(columns_.coordinates.size());
-      for (std::size_t i = 0; i < columns_.motion[order].size(); ++i)
+      const std::size_t given = base_given ? columns_.motion[order].size() : columns_.coordinates.size();
+      for (std::size_t i = 0; i < std::min(given, columns_.motion[order].size()); ++i)
       {
         double& place =
             i < columns_.coordinates.size() ? (*angles[order])[i] : base[order][i - columns_.coordinates.size()];
@@ -264,6 +270,18 @@ private:
     }
     trajectory_.states.push_back(std::move(state));
     trajectory_.places.push_back(line_.number);
+  }
+
+  // Whether a row says nothing of the base, as rows do whose motion was FROM_CONTACT beside others that were not.
+  bool is_base_empty() const
+  {
+    if (how_.wanted)
+      return false;
+    for (const std::vector<std::size_t>& columns : columns_.motion)
+      for (std::size_t i = columns_.coordinates.size(); i < columns.size(); ++i)
+        if (!cell(columns[i]).empty())
+          return false;
+    return true;
   }
 
   // what only the whole file tells
@@ -353,6 +371,30 @@ private:
     }
     if (stands_throughout(contacts))
       assume_half(supports.front());
+    else if (!columns_.load_transfer)
+      note_ends_in_double_support(contacts);
+  }
+
+  // A double support that the file cuts has no known time, so that where the load is when it begins, or ends, is a
+  // guess.
+  void note_ends_in_double_support(const std::vector<Contacts>& contacts)
+  {
+    const auto on_both = [](const Contacts& pair)
+    {
+      return pair[0] != Contact::none && pair[1] != Contact::none;
+    };
+    const bool begins = on_both(contacts.front()), ends = on_both(contacts.back());
+    if (begins || ends)
+      trajectory_.assumptions.push_back(fmt::format(
+          "the motion {} on both feet, and no column load_transfer says how the load is shared then: it is handed over "
+          "in the whole time of that double support, so that the {} row{} on one foot alone",
+          begins && ends ? "begins and ends"
+          : begins       ? "begins"
+                         : "ends",
+          begins && ends ? "first and the last"
+          : begins       ? "first"
+                         : "last",
+          begins && ends ? "s stand" : " stands"));
   }
 
   // says what a robot that stands throughout is given because the columns do not say

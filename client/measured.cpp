@@ -130,7 +130,7 @@ Measured read_measured(std::string_view bytes, const std::string& file, const Ro
     return {};
   std::vector<KnownColumn> wanted;
   for (const std::string name : kPlates)
-    wanted.push_back({name, name.starts_with('F') ? Quantity::force : Quantity::moment});
+    wanted.push_back({name, name.starts_with('F') ? Quantity::force : Quantity::moment, 0, false}); // answers have fxL
   for (const Actuator& actuator : robot.actuators)
     if (const std::string column = published_column(actuator.name); !column.empty())
       wanted.push_back({column, Quantity::moment});

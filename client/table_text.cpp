@@ -141,6 +141,8 @@ TableText::TableText(std::string_view bytes, const std::string& file) : file_(fi
   refuse_binary();
   find_separator();
   find_decimal_sign();
+  if (separator_ == ',' && decimal_comma_)
+    assumptions_.emplace_back("decimals are written by commas, in quotes");
   if (separator_ != ',')
     assumptions_.push_back(fmt::format("cells are separated by {}{}", name_of_separator(separator_),
                                        decimal_comma_ ? ", decimals by commas" : ""));
@@ -237,7 +239,8 @@ void TableText::find_separator()
 
 void TableText::find_decimal_sign()
 {
-  if (separator_ == ',' || text_.find(',') == std::string_view::npos)
+  // between commas, a cell with a comma is one in quotes
+  if (text_.find(separator_ == ',' ? '"' : ',') == std::string_view::npos)
     return;
   struct Number
   {

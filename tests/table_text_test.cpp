@@ -214,6 +214,17 @@ TEST_CASE("words and quoted cells keep their commas", "[table_text]")
   CHECK(read("time,q0 (rad; to x)\n1,2\n").assumptions.empty());
 }
 
+TEST_CASE("decimal commas in quotes are read, as spreadsheets write them between commas", "[table_text]")
+{
+  const Table table = read("time,q0,word\n\"0,5\",\"-1,25e-3\",a\n1,\"2,0\",\"b, c\"\n");
+  REQUIRE(table.lines.size() == 3);
+  CHECK(table.lines[1] == Cells{"0.5", "-1.25e-3", "a"});
+  CHECK(table.lines[2] == Cells{"1", "2.0", "b, c"});
+  CHECK(table.assumptions == Cells{"decimals are written by commas, in quotes"});
+  // beside a point it would be a thousand
+  CHECK_THROWS_AS(read("time,q0\n\"1,000\",0.5\n"), Failure);
+}
+
 TEST_CASE("mixed separators and mixed decimal signs are refused with their lines", "[table_text]")
 {
   CHECK(refusal("time,q0;time\n") ==
