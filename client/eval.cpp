@@ -23,7 +23,7 @@ class AnswerWriter
 {
 public:
   AnswerWriter(const std::string& path, const Robot& robot, const Config& config, const DesiredMessages& motion)
-      : channels_(config.prefix), seconds_(motion.seconds)
+      : channels_(config.prefix), seconds_(motion.seconds), model_id_(robot.model_id)
   {
     const model_info_t model = model_info(robot, 0, settings_id(config.answers), to_toml(config));
     if (path.ends_with(".lcm"))
@@ -46,9 +46,12 @@ public:
   // the next desired state of the motion, whose answer follows
   void heard(std::int64_t utime, Bytes desired)
   {
-    if (log_)
-      return log_->write(channels_.desired, utime, desired);
     decode(desired, state_);
+    if (log_)
+    {
+      state_.model_id = model_id_; // whoever reads the log can tell whose motion it is
+      return log_->write(channels_.desired, utime, encode(state_, buffer_));
+    }
     time_ = seconds_.empty() ? std::nullopt : std::optional(seconds_[next_++]);
   }
 
@@ -85,6 +88,7 @@ private:
   std::size_t next_ = 0;
   std::optional<double> time_;
   std::optional<LogWriter> log_;
+  std::int64_t model_id_;
   std::vector<std::byte> buffer_;
 };
 

@@ -11,6 +11,7 @@
 
 #include <CLI/CLI.hpp>
 
+#include <algorithm>
 #include <fmt/format.h>
 #include <memory>
 #include <optional>
@@ -74,8 +75,16 @@ ExitCode export_log(const ExportOptions& options)
   const model_info_t model = choose_model(said_robot(options.robot), robots_named_by(bytes, options.log, channels));
   for (const std::string& line : notes(trajectory))
     note(line);
-
   RecordedAnswers answers(bytes, options.log, channels, model.model_id);
+  const auto of_another = [&model](const desired_state_t& state)
+  {
+    return state.model_id != 0 && state.model_id != model.model_id;
+  };
+  if (answers.empty() && std::all_of(trajectory.states.begin(), trajectory.states.end(), of_another))
+    throw Failure(ExitCode::bad_data,
+                  fmt::format("{}: found desired states for model_id {}; expected {}, that of {}: they are another "
+                              "robot's",
+                              options.log, trajectory.states.front().model_id, model.model_id, printable(model.name)));
   for (const std::string& line : answers.notes())
     note(line);
   const MotionTable table = table_of(trajectory, model);

@@ -90,6 +90,24 @@ std::string difference(const std::vector<float>& found, const std::vector<double
 
 } // namespace
 
+TEST_CASE("what eval wrote can be shown and compared again: answers are no plates", "[report]")
+{
+  const TemporaryFolder folder;
+  const std::string walk = folder.file("walk.csv"), answers = folder.file("answers.csv"),
+                    log = folder.file("answers.lcm");
+  REQUIRE(run({"gait", "--robot", "ck", "-o", walk, "--steps", "1", "--rate", "50"}).code == 0);
+  REQUIRE(run({"eval", walk, "-o", answers}).code == 0);
+  for (const std::string command : {"report", "eval"})
+    CHECK(run({command, answers, "-o", folder.file(command == "eval" ? "o.csv" : "o.html")}).code == 0);
+  CHECK(run({"compare", answers}).code == 0);
+  // a log that eval wrote names its robot in each desired state
+  REQUIRE(run({"eval", walk, "-o", log}).code == 0);
+  const Trajectory motion = parse_trajectory(read_file(log), log, {}, false, Channels());
+  REQUIRE_FALSE(motion.states.empty());
+  for (const desired_state_t& state : motion.states)
+    CHECK(state.model_id == load_robot("ck").model_id);
+}
+
 TEST_CASE("a page shows what eval answers, and the robot where the motion has it", "[report]")
 {
   const TemporaryFolder folder;

@@ -420,6 +420,24 @@ TEST_CASE("a log is used with the robot of its model message, and with no other"
                       "--robot which one is meant\n",
                       both, id("ck"), id("rk")));
   }
+  // a log whose samples are another robot's, and that holds no answers of the one that is said, is not exported
+  const std::string unanswered = folder.file("unanswered.lcm");
+  {
+    const std::string bytes = read_file(folder.file("ck.lcm"));
+    LogWriter samples(unanswered);
+    LogReader reader(bytes);
+    while (const auto record = reader.next())
+      if (record->channel == "TORQUED_DESIRED")
+        samples.write(std::string(record->channel), record->timestamp, record->data);
+    samples.close();
+  }
+  CHECK(run({"export", unanswered, "--robot", "ck", "-o", csv}).code == 0);
+  const Run foreign = run({"export", unanswered, "--robot", "rk", "-o", csv});
+  CHECK(foreign.code == 65);
+  CHECK(foreign.err == fmt::format("torquectl: {}: found desired states for model_id {}; expected {}, that of rk: they "
+                                   "are another robot's\n",
+                                   unanswered, id("ck"), id("rk")));
+
   // of each robot its own answers
   for (const auto& [robot, stranger] : {std::pair<std::string, std::string>{"ck", "rk"}, {"rk", "ck"}})
   {
