@@ -136,6 +136,12 @@ desired_state_t TorqueClient::standing() const
 
 void TorqueClient::publish(desired_state_t& desired)
 {
+  const auto n = static_cast<std::size_t>(std::max(desired.num_coordinates, std::int32_t{0}));
+  if (desired.num_coordinates < 0 || desired.q.size() != n || desired.v.size() != n || desired.a.size() != n)
+    throw std::invalid_argument("num_coordinates is " + std::to_string(desired.num_coordinates) +
+                                ", and q, v, a have " + std::to_string(desired.q.size()) + ", " +
+                                std::to_string(desired.v.size()) + ", " + std::to_string(desired.a.size()) +
+                                " numbers; expected as many in each");
   const Clock::time_point now = Clock::now();
   utime_ = std::max(
       utime_ + 1, std::int64_t{std::chrono::duration_cast<std::chrono::microseconds>(now.time_since_epoch()).count()});

@@ -73,7 +73,8 @@ public:
 
   /// Publishes a desired state without waiting. Stamps it: utime by this machine's monotonic clock, µs, but at least
   /// one more than the one before; stream_id; model_id, if the model is known. Its reply goes to on_reply().
-  /// Throws std::runtime_error if the bus takes no message.
+  /// Throws std::invalid_argument if q, v and a have not num_coordinates numbers each, and nothing is published then;
+  /// std::runtime_error if the bus takes no message.
   void publish(desired_state_t& desired);
   /// Calls back, within handle() and ask(), with one reply for each published desired state, in the order in which they
   /// come; silence `patience` after it was published. What the callback throws comes out of handle() or ask(). It may

@@ -69,6 +69,29 @@ TEST_CASE("a client is answered with torques, or told why not, in its own stream
   }
 }
 
+TEST_CASE("a desired state whose vectors are not as long as it says is not sent", "[torque_client_process]")
+{
+  Pair pair;
+  for (std::vector<double> desired_state_t::*numbers : {&desired_state_t::q, &desired_state_t::v, &desired_state_t::a})
+    for (const std::size_t size : {0U, 6U, 8U})
+    {
+      desired_state_t desired = pair.client.standing();
+      (desired.*numbers).resize(size);
+      CHECK_THROWS_AS(pair.client.ask(desired, 2s), std::invalid_argument);
+      CHECK_THROWS_AS(pair.client.publish(desired), std::invalid_argument);
+    }
+  desired_state_t desired = pair.client.standing();
+  desired.num_coordinates = -1;
+  CHECK_THROWS_AS(pair.client.publish(desired), std::invalid_argument);
+  // and the client goes on; a size that is no robot's is the daemon's to refuse
+  desired = pair.client.standing();
+  expect<torque_command_t>(pair.client.ask(desired, 2s));
+  desired.num_coordinates = 6;
+  for (std::vector<double>* numbers : {&desired.q, &desired.v, &desired.a})
+    numbers->resize(6);
+  CHECK(expect<rejection_t>(pair.client.ask(desired, 2s)).reason == rejection_t::WRONG_SIZE);
+}
+
 TEST_CASE("silence is a reply, and what comes later is dropped", "[torque_client_process]")
 {
   Pair pair;
