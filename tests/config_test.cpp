@@ -150,7 +150,7 @@ TEST_CASE("a bad configuration is refused with line, key and what would be right
   CHECK(complaint("\nrobots = \"ck\"").starts_with(":2: robots: is not known here; known are: consistency,"));
   CHECK(complaint("robot = 3") == ":1: robot: found 3; expected a text in quotes");
   CHECK(complaint("every_sample = 1") == ":1: every_sample: found 1; expected true or false");
-  CHECK(complaint("max_age = 0") == ":1: max_age: found 0; expected a positive number of seconds, up to 3600");
+  CHECK(complaint("max_age = 0") == ":1: max_age: found 0; expected a positive number of seconds, up to 1");
   CHECK(complaint("max_age = nan") == ":1: max_age: found nan; expected a finite number");
   CHECK(complaint("deadline = -1") == ":1: deadline: found -1; expected a positive number of seconds, up to 3600");
   CHECK(complaint("contact_tolerance = -0.1") ==

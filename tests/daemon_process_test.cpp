@@ -169,7 +169,7 @@ TEST_CASE("a start that cannot succeed ends with one clear line and its exit cod
       {{"--robot", folder.write("r.toml", "name = 3")}, 78, "r.toml:1: name: found 3; expected a text in quotes\n"},
       {{"--config", folder.write("c.toml", "\nmax_age = -1")},
        78,
-       "c.toml:2: max_age: found -1; expected a positive number of seconds, up to 3600\n"},
+       "c.toml:2: max_age: found -1; expected a positive number of seconds, up to 1\n"},
       {{"--config", folder.file("no.toml")}, 78, "no.toml: cannot be read: No such file or directory\n"},
       {{"--robot", "ck", "--lcm-url", "nothing://"},
        69,

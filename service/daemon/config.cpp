@@ -42,12 +42,11 @@ OnExcess read_on_excess(StrictTable& table, std::string_view key, OnExcess fallb
 }
 
 // a time in s
-double read_duration(StrictTable& table, std::string_view key, double fallback)
+double read_duration(StrictTable& table, std::string_view key, double longest, double fallback)
 {
-  constexpr double longest = 3600.0;
   const double value = table.number(key, fallback);
   if (!(value > 0.0 && value <= longest))
-    table.fail(key, fmt::format("found {}; expected a positive number of seconds, up to {}", value, longest));
+    table.fail(key, fmt::format("found {}; expected a positive number of seconds, up to {:g}", value, longest));
   return value;
 }
 
@@ -233,8 +232,8 @@ Config read_config(std::string_view text, const std::string& file)
   config.lcm_url = read_plain(table, "lcm_url", config.lcm_url);
   read_word(table, "prefix", config, set_prefix);
   config.every_sample = table.boolean("every_sample", config.every_sample);
-  config.max_age = read_duration(table, "max_age", config.max_age);
-  config.deadline = read_duration(table, "deadline", config.deadline);
+  config.max_age = read_duration(table, "max_age", 1.0, config.max_age);
+  config.deadline = read_duration(table, "deadline", 3600.0, config.deadline);
   read_word(table, "log_level", config, set_log_level);
 
   AnswerSettings& answers = config.answers;

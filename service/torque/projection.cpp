@@ -140,8 +140,8 @@ Result<Projection> project(const Robot& robot, const DesiredState& desired, cons
   const double near = kNearPosition * robot.leg_length;
   if (!(left.errors.position <= near && left.errors.tilt <= kNearTilt))
     return Refusal(Reason::inconsistent,
-                   "the {} foot is {:.3g} m from where its contact has it, and a sole tilts by {:.3g} rad; a motion is "
-                   "projected from up to {:.3g} m and {:.3g} rad",
+                   "the {} foot is {:.6g} m from where its contact has it, and a sole tilts by {:.6g} rad; a motion is "
+                   "projected from up to {:.6g} m and {:.6g} rad",
                    name_of(left.worst), left.errors.position, left.errors.tilt, near, kNearTilt);
 
   // Newton's method converges in three or four steps where there is a pose to find
