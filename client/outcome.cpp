@@ -55,7 +55,7 @@ Changes find_changes(const std::vector<DesiredState>& states)
   changes.at.assign(states.size(), -1);
   for (std::size_t i = 1; i < states.size(); ++i)
   {
-    if (states[i].support.contact == states[i - 1].support.contact)
+    if (states[i].stream_id != states[i - 1].stream_id || states[i].support.contact == states[i - 1].support.contact)
       continue;
     const std::string kind = fmt::format("{}→{}", phase_name(states[i - 1].support), phase_name(states[i].support));
     const auto known = std::find(changes.kinds.begin(), changes.kinds.end(), kind);
@@ -87,7 +87,7 @@ Outcome outcome_of(const Robot& robot, const std::vector<DesiredState>& states, 
       if ((found->flags & bit) != 0)
         ++outcome.flagged[bit];
     outcome.peak = std::max(outcome.peak, found->torque.cwiseAbs().maxCoeff());
-    if (i > 0 && answers[i - 1])
+    if (i > 0 && answers[i - 1] && states[i].stream_id == states[i - 1].stream_id)
     {
       const VectorJ& before = answers[i - 1]->torque;
       const double dt = 1e-6 * static_cast<double>(states[i].utime - states[i - 1].utime);

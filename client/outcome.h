@@ -26,7 +26,8 @@ struct Answered
 Answered answer_all(const Robot& robot, AnswerSettings settings, const std::vector<DesiredState>& states,
                     const std::optional<Method>& by);
 
-/// The changes of contacts in a motion, by kind: "SSP→DSP1".
+/// The changes of contacts in a motion, by kind: "SSP→DSP1". From one stream to another nothing changes: they are two
+/// motions.
 struct Changes
 {
   std::vector<std::string> kinds; ///< in the order in which they come first
@@ -35,8 +36,8 @@ struct Changes
 };
 Changes find_changes(const std::vector<DesiredState>& states);
 
-/// Samples that were answered, and figures of their torques. Integrals are trapezia between neighbours that are both
-/// answered.
+/// Samples that were answered, and figures of their torques. Integrals are trapezia between neighbours of one stream that
+/// are both answered.
 struct Outcome
 {
   std::vector<double> jumps;           ///< by kind of change: the largest change of a torque across it, N m

@@ -149,6 +149,33 @@ Json limit(double value)
   return std::isfinite(value) ? Json(value) : Json();
 }
 
+// The strokes that draw a link: its own; of a robot without any, as URDFs are, from its joint to the next ones, along
+// its foot, or else to twice its centre of mass.
+std::vector<Segment> strokes(const Robot& robot, int index)
+{
+  if (std::any_of(robot.links.begin(), robot.links.end(), [](const Link& link) { return !link.drawing.empty(); }))
+    return robot.link(index).drawing;
+  const double width = 0.03 * robot.leg_length;
+  std::vector<Segment> found;
+  const auto add = [&](const Eigen::Vector2d& from, const Eigen::Vector2d& to)
+  {
+    if (!from.isApprox(to))
+      found.push_back({from, to, width});
+  };
+  for (const Link& link : robot.links)
+    if (link.parent == index)
+      add(Eigen::Vector2d::Zero(), link.at);
+  for (const Foot& foot : robot.feet)
+    if (foot.link == index)
+    {
+      add(Eigen::Vector2d::Zero(), foot.ankle_at);
+      add(foot.heel_at, foot.toe_at);
+    }
+  if (found.empty())
+    add(Eigen::Vector2d::Zero(), 2.0 * robot.link(index).com);
+  return found;
+}
+
 // what the picture of the robot is made of
 Json describe(const Robot& robot)
 {
@@ -156,7 +183,7 @@ Json describe(const Robot& robot)
   for (const Link& link : robot.links)
   {
     Json segments = Json::array();
-    for (const Segment& segment : link.drawing)
+    for (const Segment& segment : strokes(robot, static_cast<int>(&link - robot.links.data())))
       segments.push_back({segment.from.x(), segment.from.y(), segment.to.x(), segment.to.y(), segment.width});
     const std::optional<Side>& leg = robot.leg[static_cast<std::size_t>(&link - robot.links.data())];
     links.push_back({{"name", link.name},

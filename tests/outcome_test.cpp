@@ -91,4 +91,22 @@ TEST_CASE("a jump counts where contacts change, by the kind of change", "[outcom
   CHECK(outcome_of(robot, states, answers, changes).jumps == std::vector<double>{0.0, 2.0});
 }
 
+TEST_CASE("from one stream to the next no torque jumps, and no time passes", "[outcome]")
+{
+  const Robot robot = load_robot("ck");
+  std::vector<DesiredState> states = moving(robot, 4);
+  for (const std::size_t i : {2U, 3U})
+  {
+    states[i].support = {{Contact::sole, Contact::heel}, Side::right, 0.2, 0.2};
+    states[i].stream_id = 2;
+    states[i].utime += 60'000'000;
+  }
+  const Changes changes = find_changes(states);
+  CHECK(changes.kinds.empty());
+  Answers answers;
+  for (const double torque : {0.0, 50.0, 47.0, 90.0})
+    answers.emplace_back(with_torque(robot, torque));
+  CHECK_THAT(outcome_of(robot, states, answers, changes).seconds, Catch::Matchers::WithinAbs(0.2, 1e-12));
+}
+
 } // namespace outcome_test

@@ -6,6 +6,7 @@
 #include "client/lcm_log.h"
 #include "client/report_page.h"
 #include "client/trajectory.h"
+#include "robot/robot_files.h"
 #include "torque/contacts.h"
 
 #include <bit>
@@ -89,6 +90,25 @@ std::string difference(const std::vector<float>& found, const std::vector<double
 }
 
 } // namespace
+
+TEST_CASE("a robot without strokes is drawn from joint to joint", "[report]")
+{
+  const TemporaryFolder folder;
+  std::string toml = to_toml(load_robot("ck"));
+  for (std::size_t at; (at = toml.find("\ndraw")) != std::string::npos;)
+    toml.erase(at, toml.find('\n', at + 1) - at);
+  const std::string robot = folder.write("bare.toml", toml), walk = folder.file("walk.csv"),
+                    page = folder.file("walk.html");
+  REQUIRE(load_robot(robot).links[0].drawing.empty());
+  REQUIRE(run({"gait", "--robot", robot, "-o", walk, "--steps", "1", "--rate", "20"}).code == 0);
+  REQUIRE(run({"report", walk, "--robot", robot, "-o", page}).code == 0);
+  const Json shown = document(page);
+  for (const Json& link : shown["robot"]["links"])
+  {
+    CAPTURE(link["name"].get<std::string>());
+    CHECK_FALSE(link["segments"].empty());
+  }
+}
 
 TEST_CASE("what eval wrote can be shown and compared again: answers are no plates", "[report]")
 {
