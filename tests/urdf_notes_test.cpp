@@ -172,6 +172,8 @@ TEST_CASE("what a simulator or a vendor says of mechanics is named as not read",
             "<implicitSpringDamper> say has no effect here\n"},
            {with_tail("<gazebo reference=\"trunk\"><inertial><mass>60</mass></inertial></gazebo>"),
             "w.urdf:8: <gazebo reference=\"trunk\"> is not read: what its <inertial> says has no effect here\n"},
+           {with_tail("<gazebo reference=\"trunk\"><mu1>0</mu1></gazebo>"), // which is ice
+            "w.urdf:8: <gazebo reference=\"trunk\"> is not read: what its <mu1> says has no effect here\n"},
            {with_tail("<gazebo><mass>60</mass></gazebo><gazebo><sensor name=\"imu\"><a/></sensor></gazebo>"),
             "w.urdf:8: <gazebo> is not read: what its <mass> says has no effect here\n"},
            {with_tail("<mujoco><compiler meshdir=\"m\" settotalmass=\"60\"/></mujoco>"),

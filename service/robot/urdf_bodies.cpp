@@ -1,5 +1,6 @@
 #include "robot/urdf_model.h"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -25,7 +26,9 @@ std::array<double, 3> principal_moments(const Eigen::Matrix3d& inertia)
     const double mean = unit.trace() / 3.0;
     const Eigen::Matrix3d rest = unit - mean * Eigen::Matrix3d::Identity();
     const double radius = std::sqrt(rest.squaredNorm() / 6.0);
-    const double angle = std::acos(std::clamp((rest / radius).determinant() / 2.0, -1.0, 1.0)) / 3.0;
+    const Eigen::Matrix3d M = rest / radius;
+    const double determinant = M.col(0).dot(M.col(1).cross(M.col(2)));
+    const double angle = std::acos(std::clamp(determinant / 2.0, -1.0, 1.0)) / 3.0;
     const double third = 2.0 * std::numbers::pi / 3.0;
     for (int i = 0; i < 3; ++i)
     {
