@@ -95,7 +95,7 @@ TEST_CASE("a frame turned by a rounded angle gives the numbers of the exact one"
   {
     Walker walker;
     walker.left_origin = "<origin xyz=\"0.02 0.1 -0.05\" rpy=\"" + rpy + " 0 0\"/>";
-    walker.left_axis = "0 1 -1";
+    walker.left_axis = "0 -1 1";
     return walker.robot();
   };
   const Robot exact = askew("0.7853981633974483");

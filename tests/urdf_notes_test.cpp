@@ -3,7 +3,10 @@
 #include "temporary_folder.h"
 #include "urdf_walker.h"
 
+#include "planar/kinematics.h"
 #include "robot/robot_files.h"
+
+#include <Eigen/Geometry>
 
 namespace urdf_notes_test
 {
@@ -44,21 +47,38 @@ TEST_CASE("what a URDF says of motors and no robot reads is named, joint by join
                          .robot());
   };
   CHECK(transmission("<actuator name=\"m\"><mechanicalReduction> 50 </mechanicalReduction></actuator>") ==
-        "w.urdf:6: joint 'left_hip': <transmission mechanicalReduction=50> is not read: set rotor_inertia in the "
-        "TOML\n");
+        "w.urdf:6: joint 'left_hip': <transmission mechanicalReduction=50> is not read: set rotor_inertia (gear ratio "
+        "squared times the motor's inertia) in the TOML\n");
   CHECK(transmission("<actuator name=\"m\"><mechanicalReduction>1</mechanicalReduction></actuator>") == "");
   CHECK(transmission("<mechanicalReduction>63.16</mechanicalReduction>").find("mechanicalReduction=63.16") !=
         std::string::npos);
   CHECK(transmission("<actuator name=\"m\"><drake:rotor_inertia value=\"0.0003\"/><drake:gear_ratio value=\"50\"/>"
                      "</actuator>")
-            .find("<transmission rotor_inertia=0.0003 gear_ratio=50>") != std::string::npos);
+            .find("<transmission rotor_inertia=0.0003 gear_ratio=50> is not read: set rotor_inertia = 0.75 (gear") !=
+        std::string::npos);
+  CHECK(transmission("<actuator name=\"m\"><mechanicalReduction>50</mechanicalReduction><motorInertia>1e-4"
+                     "</motorInertia></actuator>")
+            .find("<transmission mechanicalReduction=50 motorInertia=1e-4> is not read: set rotor_inertia = 0.25 (") !=
+        std::string::npos);
+  CHECK(transmission("<motorInertia>0</motorInertia>") == "");
+  CHECK(all_notes(with_tail("<transmission name=\"t\"><actuator name=\"m\"><motorInertia>1e-4</motorInertia></actuator>"
+                            "</transmission>")
+                      .robot()) ==
+        "w.urdf:8: <transmission motorInertia=1e-4> is not read, and names no joint of the robot\n");
+  const std::string rotor = "<drake:rotor_inertia value=\"0.1\"/>";
+  CHECK(all_notes(with_hip(rotor + "<drake:gear_ratio value=\"50\"/>").robot()) ==
+        "w.urdf:6: joint 'left_hip': <drake:rotor_inertia value=0.1> and <drake:gear_ratio value=50> are not read: set "
+        "rotor_inertia = 250 (gear ratio squared times the motor's inertia) in the TOML\n");
+  CHECK(
+      all_notes(with_hip(rotor + "<drake:gear_ratio value=\"1\"/>").robot()) ==
+      "w.urdf:6: joint 'left_hip': <drake:rotor_inertia value=0.1> is not read: set rotor_inertia (gear ratio squared "
+      "times the motor's inertia) in the TOML\n");
+  CHECK(all_notes(with_hip("<drake:rotor_inertia value=\"0\"/>").robot()) == "");
   CHECK(all_notes(with_hip("<dynamics armature=\"0.1\" spring_stiffness=\"7\"/>").robot()) ==
         "w.urdf:6: joint 'left_hip': <dynamics armature=0.1 spring_stiffness=7> is not read: set rotor_inertia in the "
         "TOML; no key there says the others\n");
   CHECK(all_notes(with_hip("<safety_controller k_velocity=\"10\"/>").robot()) ==
         "w.urdf:6: joint 'left_hip': <safety_controller k_velocity=10> is not read, and no key in the TOML says it\n");
-  CHECK(all_notes(with_tail("<gazebo reference=\"left_hip\"><springStiffness>3</springStiffness></gazebo>").robot())
-            .find("w.urdf:6: joint 'left_hip': <gazebo springStiffness=3> is not read") != std::string::npos);
   CHECK(all_notes(with_tail("<gazebo reference=\"trunk\"><turnGravityOff>true</turnGravityOff></gazebo>").robot())
             .find("w.urdf:8: <gazebo> turnGravityOff=true is not read") != std::string::npos);
 }
@@ -114,8 +134,8 @@ TEST_CASE("what moves nothing is passed over, in one note", "[urdf_notes]")
                       "name=\"imu\"/><ros2_control name=\"c\"/><drake:frame name=\"f\"/>"),
             "<drake:frame>, <gazebo>, <ros2_control>, <sensor>"},
            {with_head("<link name=\"part\" type=\"tube\" drake:hidden=\"1\"><visual concave=\"yes\"><any/></visual>"
-                      "<collision group=\"g\"><verbose value=\"V\"/></collision><contact><rolling_friction "
-                      "value=\"1\"/></contact></link>" +
+                      "<collision group=\"g\"><verbose value=\"V\"/></collision><contact><any/></contact>"
+                      "</link>" +
                       joint_element("glue", "fixed", "trunk", "part")),
             "<contact>, drake:hidden=\"...\", type=\"...\""}})
   {
@@ -134,6 +154,172 @@ TEST_CASE("what moves nothing is passed over, in one note", "[urdf_notes]")
   for (int i = 10; i < 40; ++i)
     many += fmt::format("<vendor{}/>", i);
   CHECK(all_notes(with_tail(many).robot()).find("<vendor21> and 18 more\n") != std::string::npos);
+}
+
+TEST_CASE("what a simulator or a vendor says of mechanics is named as not read", "[urdf_notes]")
+{
+  const std::int64_t id = Walker().robot().model_id;
+  struct Row
+  {
+    Walker walker;
+    std::string note;
+  };
+  const std::string mu = "<mu1>0.9</mu1><mu2>0.9</mu2></gazebo>";
+  for (const auto& [walker, note] : std::vector<Row>{
+           {with_tail("<gazebo reference=\"left_hip\"><springStiffness>400</springStiffness><implicitSpringDamper>1"
+                      "</implicitSpringDamper><material>Gazebo/Blue</material></gazebo>"),
+            "w.urdf:8: <gazebo reference=\"left_hip\"> is not read: what its <springStiffness>, "
+            "<implicitSpringDamper> say has no effect here\n"},
+           {with_tail("<gazebo reference=\"trunk\"><inertial><mass>60</mass></inertial></gazebo>"),
+            "w.urdf:8: <gazebo reference=\"trunk\"> is not read: what its <inertial> says has no effect here\n"},
+           {with_tail("<gazebo reference=\"trunk\"><mu1>0</mu1></gazebo>"), // which is ice
+            "w.urdf:8: <gazebo reference=\"trunk\"> is not read: what its <mu1> says has no effect here\n"},
+           {with_tail("<gazebo><mass>60</mass></gazebo><gazebo><sensor name=\"imu\"><a/></sensor></gazebo>"),
+            "w.urdf:8: <gazebo> is not read: what its <mass> says has no effect here\n"},
+           {with_tail("<mujoco><compiler meshdir=\"m\" settotalmass=\"60\"/></mujoco>"),
+            "w.urdf:8: <mujoco> is not read: what its <compiler settotalmass=60> says has no effect here\n"},
+           {with_tail("<mujoco><option gravity=\"0 0 -1.62\" integrator=\"RK4\"/><joint armature=\"1\"/></mujoco>"),
+            "w.urdf:8: <mujoco> is not read: what its <option gravity=0 0 -1.62>, <joint armature=1> say has no effect "
+            "here\n"},
+           {with_tail("<gazebo reference=\"left_thigh\">" + mu + "\n<gazebo reference=\"right_thigh\">" + mu),
+            "w.urdf:8: <gazebo reference=\"left_thigh\"> and 1 more like it are not read: what their <mu1>, <mu2> say "
+            "has no effect here\n"},
+           {with_head("<link name=\"part\"><contact><rolling_friction value=\"1\"/></contact></link>" +
+                      joint_element("glue", "fixed", "trunk", "part")),
+            "w.urdf:2: link 'part': <contact> is not read: what its <rolling_friction> says has no effect here\n"},
+           {with_tail("<gazebo reference=\"left_hip\"><springStiffness>0</springStiffness><selfCollide>1</selfCollide>"
+                      "<implicitSpringDamper>false</implicitSpringDamper></gazebo><mujoco><compiler angle=\"radian\"/>"
+                      "<option timestep=\"0.001\"/></mujoco>"),
+            "w.urdf: passed over, because it moves nothing: <gazebo>, <mujoco>\n"}})
+  {
+    const Robot robot = walker.robot();
+    CHECK(all_notes(robot) == note);
+    if (robot.links.size() == 3)
+      CHECK(robot.model_id == id);
+  }
+}
+
+TEST_CASE("a body that a joint moves and that has no mass has a note", "[urdf_notes]")
+{
+  const std::string shin = joint_element("knee", "revolute", "left_thigh", "shin", "0 -1 0");
+  const std::string foot = joint_element("ankle", "fixed", "shin", "foot");
+  const std::string massless = "w.urdf:2: link 'shin' is massless as read, and joint 'knee' moves it: neither it nor "
+                               "what is fixed to it has a mass\n";
+  CHECK(all_notes(with_head(link_element("shin") + shin).robot()) == massless);
+  CHECK(all_notes(with_head(link_element("shin", "0") + shin).robot()) == massless);
+  CHECK(all_notes(with_head(link_element("shin") + link_element("foot") + shin + foot).robot()) == massless);
+  // the body that moves is both
+  CHECK(all_notes(with_head(link_element("shin") + link_element("foot", "1") + shin + foot).robot()) == "");
+  // what moves against it is another
+  CHECK(all_notes(with_head(link_element("shin") + link_element("foot", "1") + shin +
+                            joint_element("ankle", "revolute", "shin", "foot", "0 -1 0"))
+                      .robot()) == massless);
+  // frames and points of feet, and what lets a root float, have none
+  CHECK(all_notes(with_head(link_element("tip") + joint_element("glue", "fixed", "trunk", "tip")).robot()) == "");
+  CHECK(all_notes(with_head(link_element("a") + link_element("b") +
+                            joint_element("px", "prismatic", "world", "a", "1 0 0") +
+                            joint_element("pz", "prismatic", "a", "b", "0 0 1") +
+                            joint_element("pitch", "continuous", "b", "trunk", "0 1 0"))
+                      .robot()) == "");
+}
+
+TEST_CASE("a tensor of inertia that no body has, has a note", "[urdf_notes]")
+{
+  const auto notes = [](const std::string& tensor, const std::string& rpy = "0 0 0")
+  {
+    return all_notes(with_head("<link name=\"part\"><inertial><origin rpy=\"" + rpy +
+                               "\"/><mass value=\"1\"/><inertia " + tensor + "/></inertial></link>" +
+                               joint_element("glue", "fixed", "trunk", "part"))
+                         .robot());
+  };
+  const auto tensor = [](double ixx, double ixy, double ixz, double iyy, double iyz, double izz)
+  {
+    return fmt::format("ixx=\"{}\" ixy=\"{}\" ixz=\"{}\" iyy=\"{}\" iyz=\"{}\" izz=\"{}\"", ixx, ixy, ixz, iyy, iyz,
+                       izz);
+  };
+  const std::string more = "w.urdf:2: link 'part': inertia: no body has the principal moments 0.05, 0.47 and 4.7 kg "
+                           "m^2, of which the largest is more than the sum of the others; only that about y is read, ";
+  CHECK(notes(tensor(0.47, 0, 0, 0.05, 0, 4.7)) == more + "0.05\n");
+  CHECK(notes(tensor(0.47, 0, 0, 0.05, 0, 4.7), "1.5707963267948966 0 0") == more + "4.7\n");
+  // turned by 45 degrees about y, and about x
+  CHECK(notes(tensor(2.585, 0, 2.115, 0.05, 0, 2.585)) == more + "0.05\n");
+  CHECK(notes(tensor(0.47, 0, 0, 2.375, 2.325, 2.375)) == more + "2.375\n");
+  CHECK(notes(tensor(1, 1.5, 0, 1, 0, 1)) ==
+        "w.urdf:2: link 'part': inertia: no body has the principal moments -0.5, 1 and 2.5 kg m^2, of which one is "
+        "negative; only that about y is read, 1\n");
+  // plates, rods, points, and digits that are rounded
+  for (const std::string& good :
+       {tensor(0.1, 0, 0, 0.2, 0, 0.1), tensor(0.2, 0, 0, 0.2, 0, 0), tensor(0, 0, 0, 0, 0, 0),
+        tensor(0.1, 0, 0, 0.20015, 0, 0.1), tensor(1e-300, 0, 0, 1e-300, 0, 1e-300), tensor(0.1, 0.1, 0, 0.1, 0, 0.2),
+        tensor(1, -0.5, -0.5, 1, -0.5, 1)})
+  {
+    CAPTURE(good);
+    CHECK(notes(good) == "");
+  }
+  CHECK(notes(tensor(0.1, 0, 0, 0.2003, 0, 0.1)) != "");
+}
+
+TEST_CASE("an axis along +y counts angles against ours, and a note says of which joints", "[urdf_notes]")
+{
+  Walker walker;
+  walker.left_axis = "0 1 0";
+  const auto turned = [](const std::string& names)
+  {
+    return "w.urdf: angle and torque of " + names +
+           " count against the URDF's: its axis is +y, ours counter-clockwise in the x-z plane";
+  };
+  CHECK(all_notes(walker.robot()) == turned("'left_hip'") + "\n");
+  CHECK(all_notes(with_head(link_element("shin", "1") + link_element("weight", "1") +
+                            joint_element("knee", "revolute", "left_thigh", "shin", "0 1 0") +
+                            joint_element("slide", "prismatic", "trunk", "weight", "0 -1 0"))
+                      .robot()) ==
+        turned("'knee'") + "; displacement and force of 'slide' count against the URDF's: its axis is -y, ours +y\n");
+  std::string all = walker.text();
+  all.replace(all.find("\"0 -1 0\""), 8, "\"0 1 0\"");
+  CHECK(all_notes(read_urdf_robot(all, "w.urdf")) == turned("all joints") + "\n");
+  // an axis is where its frame turns it
+  Walker rolled;
+  rolled.left_origin = "<origin rpy=\"1.5707963267948966 0 0\"/>";
+  rolled.left_axis = "0 0 1";
+  CHECK(all_notes(rolled.robot()) == "");
+  rolled.left_axis = "0 0 -1";
+  CHECK(all_notes(rolled.robot()) == turned("'left_hip'") + "\n");
+
+  // by the right hand about +y what hangs goes back, to -x; by our angle it goes to +x
+  CHECK((Eigen::AngleAxisd(0.3, Eigen::Vector3d::UnitY()) * -Eigen::Vector3d::UnitZ()).x() < 0.0);
+  const Robot robot = walker.robot();
+  REQUIRE(robot.relative_names.front() == "left_hip");
+  const auto foot_at = [&robot](double left_hip)
+  {
+    VectorQ q = VectorQ::Zero(robot.mechanism.num_q());
+    q.head(robot.num_coordinates()) = robot.A_inverse.col(0) * left_hip;
+    const Body thigh = body_of(robot.links[1]);
+    Point foot = thigh.origin;
+    foot.push_back({thigh.direction, {0.0, -1.0}});
+    return position(kinematics(robot.mechanism, q, VectorQ::Zero(robot.mechanism.num_q())), foot);
+  };
+  CHECK(foot_at(0.3).x() > foot_at(0.0).x() + 0.29);
+
+  // a TOML's own actuator counts as it says
+  const TemporaryFolder folder;
+  const std::string urdf = folder.write("w.urdf", walker.text());
+  const auto notes = [&folder](const std::string& left)
+  {
+    return all_notes(load_robot(folder.write("w.toml", "urdf = \"w.urdf\"\n[[actuator]]\nname = \"l\"\n" + left +
+                                                           "[[actuator]]\nname = \"r\"\non = \"right_thigh\"\n"
+                                                           "against = \"trunk\"\n")));
+  };
+  CHECK(notes("on = \"left_thigh\"\nagainst = \"trunk\"\n") == urdf + turned("'left_hip'").substr(6) + "\n");
+  CHECK(notes("on = \"trunk\"\nagainst = \"left_thigh\"\n") == "");
+}
+
+TEST_CASE("a volume has no mechanics", "[urdf_notes]")
+{
+  std::string text = Walker().text();
+  text.replace(text.find("<mass"), 0, "<volume value=\"0.01\"/>");
+  const Robot robot = read_urdf_robot(text, "w.urdf");
+  CHECK(robot.model_id == Walker().robot().model_id);
+  CHECK(all_notes(robot) == "");
 }
 
 TEST_CASE("what might be mechanics is never passed over", "[urdf_notes]")

@@ -16,7 +16,7 @@ namespace torqued
 struct Walker
 {
   std::string head, left_hip, right_hip, tail;
-  std::string left_origin = "<origin xyz=\"0.02 0.1 -0.05\"/>", left_axis = "0 1 0";
+  std::string left_origin = "<origin xyz=\"0.02 0.1 -0.05\"/>", left_axis = "0 -1 0";
   std::string left_com = "0.01 0.03 -0.12", left_inertia_rpy = "0 0 0";
 
   std::string text() const
@@ -33,7 +33,7 @@ struct Walker
            "<joint name=\"left_hip\" type=\"revolute\"><parent link=\"trunk\"/><child link=\"left_thigh\"/>" +
            left_origin + "<axis xyz=\"" + left_axis + "\"/>" + left_hip + "</joint>\n" +
            "<joint name=\"right_hip\" type=\"continuous\"><parent link=\"trunk\"/><child link=\"right_thigh\"/>"
-           "<origin xyz=\"0.02 -0.1 -0.05\"/><axis xyz=\"0 1 0\"/>" +
+           "<origin xyz=\"0.02 -0.1 -0.05\"/><axis xyz=\"0 -1 0\"/>" +
            right_hip + "</joint>\n" + tail + "</robot>\n";
   }
 

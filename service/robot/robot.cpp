@@ -52,6 +52,8 @@ public:
     robot.notes = description_.notes;
     for (const RobotDescription::UnreadEntry& entry : description_.unread)
       robot.notes.push_back(note_of(entry));
+    if (const std::string note = note_of_signs(description_); !note.empty())
+      robot.notes.push_back(note);
     return robot;
   }
 

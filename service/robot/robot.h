@@ -300,6 +300,14 @@ struct RobotDescription
     int line;
   };
 
+  /// A joint of a URDF whose coordinate, that of the link `on` against `against`, has the opposite sign here.
+  struct OppositeEntry
+  {
+    std::string joint, on, against;
+    bool slides;
+    std::string file;
+  };
+
   std::string file;
   std::string name, source;
   double gravity;
@@ -309,11 +317,12 @@ struct RobotDescription
       actuators;               ///< if empty: one for each joint that moves, turning the child against its parent
   std::vector<FootEntry> feet; ///< two; one or two, one of them on the root, if that is fixed; or none
   std::vector<UnreadEntry> unread = {};
+  std::vector<OppositeEntry> opposite = {};
   std::vector<std::string> notes = {}; ///< what to know about how the file was read, a line each
 };
 
-/// Builds a robot; its notes are the description's, and one for each unread entry. Throws FileError (strict_toml.h)
-/// with file, line and what would be right.
+/// Builds a robot; its notes are the description's, one for each unread entry, and one of all opposite signs. Throws
+/// FileError (strict_toml.h) with file, line and what would be right.
 ///
 /// Its leg length is the distance from the base point to the ankle of the straight robot (all angles 0), the longer
 /// leg's; with a fixed root, or without feet, the longest way along the links from the base point to a centre of mass,
@@ -346,7 +355,10 @@ Robot read_toml_robot(std::string_view text, const std::string& file);
 /// Signs: URDF turns by the right hand about an axis; about +y that is clockwise in our picture. An actuator's angle
 /// here is that of child − parent, counter-clockwise, whatever the sign of the joint's axis; so it equals the URDF's
 /// joint angle where the axis is −y, and is its negative where it is +y. A displacement is along +y, whatever the sign
-/// of the axis.
+/// of the axis. A note names the joints whose sign is turned.
+///
+/// Masses: a note names a body that a joint moves and that has none, all links fixed to it included, and a tensor of
+/// inertia that no body has; both are read as they are.
 ///
 /// Rolling joints: two revolute joints A, B with a link without mass and other children between them, of which one
 /// mimics the other by a positive multiplier (turning in the same sense) without offset, roll: that link is the bar
@@ -360,8 +372,9 @@ Robot read_toml_robot(std::string_view text, const std::string& file);
 /// damping (viscous), effort (torque_limit), and N and I of a gear (rotor_inertia, N² I).
 ///
 /// What is only seen or touched (<visual>, <collision>, <material>) is passed over, and so are elements and attributes
-/// that URDF does not have (<mujoco>, <gazebo>, <drake:…>, …), which one note lists; but not those whose name speaks of
-/// mechanics (<loop_joint>, <force_element>, …) or looks like a slip of the pen (<inertail>), which are refused.
+/// that URDF does not have (<mujoco>, <gazebo>, <drake:…>, …), which one note lists. What might be mechanics in them
+/// (<gazebo><springStiffness>) has a note that it has no effect. Elements of URDF's own level whose name speaks of
+/// mechanics (<loop_joint>, <force_element>, …) or looks like a slip of the pen (<inertail>) are refused.
 RobotDescription read_urdf(std::string_view text, const std::string& file);
 
 /// Reads a robot without feet from a URDF as such. Throws FileError; a fixed root, too, needs a TOML file, which says

@@ -113,6 +113,7 @@ void read_links_of_urdf(StrictTable& table, const std::string& file, RobotDescri
   description.links = urdf.links;
   description.actuators = urdf.actuators;
   description.unread = urdf.unread;
+  description.opposite = urdf.opposite;
   description.notes = urdf.notes;
   for (auto& entry : description.links)
     entry.file = shown;

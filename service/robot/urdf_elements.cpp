@@ -80,6 +80,7 @@ void read_inertial(StrictElement& inertial, Link& link)
     read_inertia(*inertia, link);
   else if (link.mass != 0.0)
     missing("inertia");
+  inertial.skip({"volume"});
   inertial.finish();
 }
 
@@ -104,6 +105,8 @@ public:
       for (StrictElement& child : robot.children(simulator))
         look_at_simulator(child);
     finish(robot);
+    for (const auto& [says, unread] : model_.not_read)
+      model_.passed_over.erase(fmt::format("<{}>", says.substr(0, says.find(' '))));
     add_transmissions(element);
   }
 
@@ -127,7 +130,7 @@ private:
       const std::string shown = printable(found.Name(), kLongestName);
       if (const std::optional<std::string> why = mechanics_in(std::string_view(found.Name())))
         model_.fail(found.GetLineNum(), fmt::format("{}<{}> is not known here: {}", context_of(element), shown, *why));
-      model_.passed_over.insert(fmt::format("<{}>", shown));
+      pass_over(found, context_of(element));
       return true;
     };
     element.finish(attribute, child);
@@ -248,8 +251,6 @@ private:
         continue;
       element.skip({name});
       std::vector<UnreadValue> values = unread_values(*child);
-      if (!is_motors && !child->FirstAttribute())
-        values.push_back({printable(child->Name(), kLongestName), "", "", ""});
       joint.unread.insert(joint.unread.end(), values.begin(), values.end());
       if (name == "dynamics") // the first that a note names
         std::rotate(joint.unread.begin(), joint.unread.end() - static_cast<std::ptrdiff_t>(values.size()),
@@ -259,36 +260,65 @@ private:
     }
   }
 
+  // names an element as one that moves nothing, or as one that is not read
+  void pass_over(const tinyxml2::XMLElement& xml, const std::string& context)
+  {
+    const std::string shown = printable(xml.Name(), kLongestName);
+    const std::vector<std::string> parts = unread_parts(xml);
+    if (parts.empty())
+    {
+      model_.passed_over.insert(fmt::format("<{}>", shown));
+      return;
+    }
+    const auto [found, is_first] = model_.not_read.try_emplace(fmt::format("{} {}", shown, fmt::join(parts, " ")));
+    Unread& unread = found->second;
+    if (!is_first)
+    {
+      ++unread.others;
+      return;
+    }
+    const char* const reference = xml.Attribute("reference");
+    unread = {.line = xml.GetLineNum(),
+              .first =
+                  fmt::format("{}<{}{}>", context, shown,
+                              reference ? fmt::format(" reference=\"{}\"", printable(reference, kLongestName)) : ""),
+              .parts = parts};
+  }
+
   void look_at_simulator(StrictElement& element)
   {
     const tinyxml2::XMLElement& xml = element.xml();
-    model_.passed_over.insert(fmt::format("<{}>", xml.Name()));
     if (const std::optional<std::string> why = mechanics_in(xml))
       model_.fail(xml.GetLineNum(), fmt::format("<{}> {}", xml.Name(), *why));
-    const char* const reference = xml.Attribute("reference");
-    const auto found = model_.joint_index.find(reference ? reference : "");
+    bool keeps_gravity = true;
     for (const auto* child = xml.FirstChildElement(); child; child = child->NextSiblingElement())
-    {
-      const std::string_view name = child->Name();
-      const std::string text = child->GetText() ? child->GetText() : "";
-      if (name == "springStiffness" && found != model_.joint_index.end() && child->DoubleText() != 0.0)
-        model_.joint(found->second).unread.push_back({xml.Name(), child->Name(), printable(text, kLongestName), ""});
-      if ((name == "turnGravityOff" && (text == "true" || text == "1")) ||
-          (name == "gravity" && (text == "false" || text == "0")))
+      if (takes_gravity(*child))
+      {
+        keeps_gravity = false;
         model_.notes.push_back(fmt::format("{}:{}: <gazebo> {}={} is not read: gravity pulls at every link",
-                                           model_.file, child->GetLineNum(), name, text));
-    }
+                                           model_.file, child->GetLineNum(), child->Name(), child->GetText()));
+      }
+    if (keeps_gravity || !unread_parts(xml).empty())
+      pass_over(xml, "");
   }
 
   void add_transmissions(const tinyxml2::XMLElement& robot)
   {
     for (const Transmission& transmission : transmissions_of(robot))
+    {
+      bool has_joint = transmission.values.empty();
       for (const std::string& name : transmission.joints)
         if (const auto found = model_.joint_index.find(name); found != model_.joint_index.end())
         {
+          has_joint = true;
           std::vector<UnreadValue>& unread = model_.joint(found->second).unread;
           unread.insert(unread.end(), transmission.values.begin(), transmission.values.end());
         }
+      if (!has_joint)
+        model_.notes.push_back(fmt::format("{}:{}: <transmission {}={}> is not read, and names no joint of the robot",
+                                           model_.file, transmission.line, transmission.values.front().attribute,
+                                           transmission.values.front().value));
+    }
   }
 
   Model& model_;

@@ -78,6 +78,15 @@ struct Link
   bool of_the_world = false; ///< the world, what carries the root, and what stands around: no link of the robot
 };
 
+/// Elements that might be mechanics and are not read.
+struct Unread
+{
+  int line = 0;           ///< of the first
+  std::string first = {}; ///< "<gazebo reference=\"left_hip\">"
+  int others = 0;
+  std::vector<std::string> parts = {}; ///< what they say: "<springStiffness>"
+};
+
 struct Model
 {
   std::string file;
@@ -85,12 +94,13 @@ struct Model
   std::vector<Link> links = {};
   std::vector<Joint> joints = {};
   std::map<std::string, int> link_index = {}, joint_index = {};
-  std::vector<int> order = {};                ///< the robot's links, parents before children
-  int root = -1;                              ///< from find_root() on
-  bool root_is_fixed = false;                 ///< to the world
-  std::set<std::string> passed_over = {};     ///< what is there and moves nothing, as a note names it
-  std::map<std::string, double> rounded = {}; ///< what is out of the plane as rounded angles are, and by how much, rad
-  std::vector<std::string> notes = {};        ///< what to know about how the file was read
+  std::vector<int> order = {};                 ///< the robot's links, parents before children
+  int root = -1;                               ///< from find_root() on
+  bool root_is_fixed = false;                  ///< to the world
+  std::set<std::string> passed_over = {};      ///< what is there and moves nothing, as a note names it
+  std::map<std::string, double> rounded = {};  ///< what is out of the plane as rounded angles are, and by how much, rad
+  std::map<std::string, Unread> not_read = {}; ///< elements that say the same, by what they say
+  std::vector<std::string> notes = {};         ///< what to know about how the file was read
 
   Link& link(int index) { return links[static_cast<std::size_t>(index)]; }
   const Link& link(int index) const { return links[static_cast<std::size_t>(index)]; }
@@ -138,5 +148,11 @@ Eigen::Vector3d axis_of(const Model& model, const Joint& joint, const Eigen::Mat
 /// Makes pairs of joints of which one mimics the other rolling ones, with the bar between them; refuses any other
 /// mimic. urdf_rolling.cpp
 void pair_rolling(Model& model);
+
+/// The moment of inertia about y of the root's frame, from align_frames() on.
+double moment_about_y(const Link& link);
+
+/// Notes bodies that a joint moves and that have no mass, and tensors of inertia that no body has. urdf_bodies.cpp
+void look_at_bodies(Model& model);
 
 } // namespace torqued::urdf

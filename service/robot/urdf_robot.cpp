@@ -25,7 +25,7 @@ Eigen::Vector2d in_plane(const Eigen::Vector3d& r)
 
 double pitch_inertia(const Model& model, const urdf::Link& from)
 {
-  const double inertia = (from.inertia_R * from.inertia * from.inertia_R.transpose())(1, 1);
+  const double inertia = moment_about_y(from);
   // what turning leaves of a zero
   const double rounding = 1e-14 * from.inertia.cwiseAbs().maxCoeff();
   if (inertia < -rounding)
@@ -97,6 +97,9 @@ void add_actuators(const Model& model, RobotDescription& description)
     entry.line = joint.line;
     entry.actuator.name = joint.name;
     description.actuators.push_back(entry);
+    const bool slides = joint.type == Joint::Type::prismatic;
+    if ((joint.sense > 0.0) != slides) // here angles count about -y, displacements along +y
+      description.opposite.push_back({joint.name, entry.on, against, slides, model.file});
   }
 }
 
@@ -110,6 +113,14 @@ std::string note_of_passed_over(const Model& model)
                      others > 0 ? fmt::format(" and {} more", others) : "");
 }
 
+std::string note_of_not_read(const Model& model, const urdf::Unread& unread)
+{
+  const bool one = unread.others == 0;
+  return fmt::format("{}:{}: {}{} {} not read: what {} {} say{} has no effect here", model.file, unread.line,
+                     unread.first, one ? "" : fmt::format(" and {} more like it", unread.others), one ? "is" : "are",
+                     one ? "its" : "their", fmt::join(unread.parts, ", "), unread.parts.size() == 1 ? "s" : "");
+}
+
 } // namespace
 
 RobotDescription read_urdf(std::string_view text, const std::string& file)
@@ -118,6 +129,7 @@ RobotDescription read_urdf(std::string_view text, const std::string& file)
   urdf::find_root(model);
   urdf::align_frames(model);
   urdf::pair_rolling(model);
+  urdf::look_at_bodies(model);
 
   RobotDescription description;
   description.file = file;
@@ -128,6 +140,8 @@ RobotDescription read_urdf(std::string_view text, const std::string& file)
       description.links.push_back(link_entry(model, i));
   add_actuators(model, description);
   description.notes = model.notes;
+  for (const auto& [says, unread] : model.not_read)
+    description.notes.push_back(note_of_not_read(model, unread));
   if (!model.passed_over.empty())
     description.notes.push_back(note_of_passed_over(model));
   return description;

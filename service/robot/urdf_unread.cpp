@@ -55,13 +55,18 @@ struct Meaning
 {
   std::string_view attribute, key;
 };
-constexpr std::array<Meaning, 10> kMeanings{{{"damping", "viscous"},
+constexpr std::array<Meaning, 15> kMeanings{{{"damping", "viscous"},
                                              {"friction", "coulomb"},
                                              {"coulomb_friction", "coulomb"},
                                              {"frictionloss", "coulomb"},
                                              {"effort", "torque_limit"},
                                              {"armature", "rotor_inertia"},
                                              {"rotor_inertia", "rotor_inertia"},
+                                             {"rotorinertia", "rotor_inertia"},
+                                             {"motor_inertia", "rotor_inertia"},
+                                             {"motorinertia", "rotor_inertia"},
+                                             {"reduction", "rotor_inertia"},
+                                             {"gearratio", "rotor_inertia"},
                                              {"mechanicalreduction", "rotor_inertia"},
                                              {"mechanical_reduction", "rotor_inertia"},
                                              {"gear_ratio", "rotor_inertia"}}};
@@ -72,6 +77,26 @@ std::string_view key_of(std::string_view attribute)
   const auto found = std::find_if(kMeanings.begin(), kMeanings.end(),
                                   [&](const Meaning& meaning) { return meaning.attribute == name; });
   return found == kMeanings.end() ? std::string_view() : found->key;
+}
+
+// of a gear: 1 is none
+bool is_ratio(std::string_view attribute)
+{
+  const std::string name = lower(local(attribute));
+  return key_of(name) == "rotor_inertia" && (name.ends_with("reduction") || name.ends_with("ratio"));
+}
+
+// of a motor, before its gear; what is called armature has passed it
+bool is_motors_inertia(std::string_view attribute)
+{
+  const std::string name = lower(local(attribute));
+  return key_of(name) == "rotor_inertia" && name.ends_with("inertia");
+}
+
+// what a value is about: <drake:gear_ratio value="50"> is about gear_ratio
+std::string_view meant(std::string_view element, std::string_view attribute)
+{
+  return attribute.empty() || attribute == "value" ? element : attribute;
 }
 
 // what no torque depends on
@@ -88,7 +113,7 @@ bool says_none(std::string_view attribute, const std::string& text)
 {
   const std::optional<double> value = number_in(text);
   if (lower(local(attribute)) != "effort")
-    return value == 0.0;
+    return value == (is_ratio(attribute) ? 1.0 : 0.0);
   constexpr double most = 1e9; // N m; more is an exporter's word for "none"
   return value && (!(*value > 0.0) || *value >= most);
 }
@@ -101,7 +126,7 @@ void add_transmission(const tinyxml2::XMLElement& element, Transmission& transmi
     const char* const attribute = child->Attribute("value");
     const std::string value = trimmed(attribute ? attribute : child->GetText());
     const std::string_view key = key_of(name);
-    if (key == "rotor_inertia" && number_in(value) != (lower(name) == "rotor_inertia" ? 0.0 : 1.0))
+    if (key == "rotor_inertia" && !says_none(name, value))
       transmission.values.push_back({"transmission", std::string(name), printable(value, kLongestValue), key});
     else if (name == "joint" && child->Attribute("name"))
       transmission.joints.emplace_back(child->Attribute("name"));
@@ -142,6 +167,87 @@ std::optional<std::string_view> misspelt(std::string_view name)
   return {};
 }
 
+// how rotor_inertia comes of a gear and a motor, with the number if both are known; empty if neither is said
+std::string reflected(const std::vector<UnreadValue>& values)
+{
+  std::vector<double> ratios, inertias;
+  bool is_said = false, is_clear = true;
+  for (const UnreadValue& value : values)
+  {
+    const std::string_view about = meant(value.element, value.attribute);
+    if (!is_ratio(about) && !is_motors_inertia(about))
+    {
+      is_clear = is_clear && value.key != "rotor_inertia";
+      continue;
+    }
+    is_said = true;
+    const std::optional<double> number = number_in(value.value);
+    is_clear = is_clear && number;
+    (is_ratio(about) ? ratios : inertias).push_back(number.value_or(0.0));
+  }
+  if (!is_said)
+    return "";
+  return fmt::format("{} (gear ratio squared times the motor's inertia)",
+                     is_clear && ratios.size() == 1 && inertias.size() == 1
+                         ? fmt::format(" = {:.6g}", ratios.front() * ratios.front() * inertias.front())
+                         : "");
+}
+
+// what has a number for a simulator, and none for mechanics: how it draws, senses, steps and finds its files
+bool is_harmless_to(const std::string& name)
+{
+  constexpr std::string_view words =
+      " material visual sensor plugin laserretro selfcollide self_collide providefeedback provide_feedback "
+      "preservefixedjoint disablefixedjointlumping maxcontacts max_contacts asset statistic size custom extension "
+      "keyframe meshdir texturedir assetdir strippath discardvisual fusestatic convexhull angle timestep integrator "
+      "solver iterations ";
+  return words.find(" " + name + " ") != std::string_view::npos;
+}
+
+// a child of <gazebo> or <mujoco> as a note names it; nothing if it has no mechanics
+std::optional<std::string> part_of_simulator(const tinyxml2::XMLElement& child)
+{
+  const std::string name = lower(child.Name());
+  const std::string text = trimmed(child.GetText());
+  if (is_harmless_to(name) || name == "turngravityoff" || (name == "gravity" && !child.FirstAttribute()))
+    return {};
+  std::string part = "<" + printable(child.Name(), kLongestValue);
+  bool says = child.FirstChildElement() != nullptr;
+  for (const auto* attribute = child.FirstAttribute(); attribute; attribute = attribute->Next())
+    if (!is_harmless_to(lower(attribute->Name())))
+    {
+      says = true;
+      part += fmt::format(" {}={}", printable(attribute->Name(), kLongestValue),
+                          printable(trimmed(attribute->Value()), kLongestValue));
+    }
+  const bool is_none = text.empty() || text == "false" || (number_in(text) == 0.0 && !name.starts_with("mu"));
+  if (!says && is_none)
+    return {};
+  return part + ">";
+}
+
+// elements somewhere in a vendor's that speak of mechanics
+void add_parts(const tinyxml2::XMLElement& element, std::vector<std::string>& parts)
+{
+  constexpr std::array<std::string_view, 12> words{"spring",  "stiff",   "damp", "friction", "mass",     "inerti",
+                                                   "density", "gravity", "gear", "rotor",    "armature", "torque"};
+  for (const auto* child = element.FirstChildElement(); child; child = child->NextSiblingElement())
+  {
+    const std::string name = lower(local(child->Name()));
+    const auto is_part = [&name](std::string_view word)
+    {
+      return name.find(word) != std::string::npos;
+    };
+    if (is_harmless_to(name) || is_part("sensor"))
+      continue;
+    const std::string part = fmt::format("<{}>", printable(child->Name(), kLongestValue));
+    if (std::any_of(words.begin(), words.end(), is_part) && std::find(parts.begin(), parts.end(), part) == parts.end())
+      parts.push_back(part);
+    else
+      add_parts(*child, parts);
+  }
+}
+
 } // namespace
 
 std::vector<UnreadValue> unread_values(const tinyxml2::XMLElement& element)
@@ -150,10 +256,15 @@ std::vector<UnreadValue> unread_values(const tinyxml2::XMLElement& element)
   for (const auto* attribute = element.FirstAttribute(); attribute; attribute = attribute->Next())
   {
     const std::string text = trimmed(attribute->Value());
-    if (!bounds_motion(attribute->Name()) && !says_none(attribute->Name(), text))
+    const std::string_view about = meant(element.Name(), attribute->Name());
+    if (!bounds_motion(about) && !says_none(about, text))
       values.push_back({printable(element.Name(), kLongestValue), printable(attribute->Name(), kLongestValue),
-                        printable(text, kLongestValue), key_of(attribute->Name())});
+                        printable(text, kLongestValue), key_of(about)});
   }
+  const std::string_view name = element.Name();
+  if (!element.FirstAttribute() && name != "dynamics" && name != "limit" && name != "safety_controller")
+    values.push_back({printable(element.Name(), kLongestValue), "",
+                      printable(trimmed(element.GetText()), kLongestValue), key_of(element.Name())});
   return values;
 }
 
@@ -164,7 +275,10 @@ std::vector<Transmission> transmissions_of(const tinyxml2::XMLElement& robot)
   {
     for (const auto* element = in.FirstChildElement("transmission"); element;
          element = element->NextSiblingElement("transmission"))
+    {
       add_transmission(*element, transmissions.emplace_back());
+      transmissions.back().line = element->GetLineNum();
+    }
   };
   add_all(robot);
   for (const auto* control = robot.FirstChildElement("ros2_control"); control;
@@ -176,7 +290,7 @@ std::vector<Transmission> transmissions_of(const tinyxml2::XMLElement& robot)
 std::string note_of(const RobotDescription::UnreadEntry& entry)
 {
   std::vector<std::string> elements;
-  std::vector<std::string_view> keys;
+  std::vector<std::string> keys;
   std::string_view last;
   bool all_have_keys = true;
   for (const UnreadValue& value : entry.values)
@@ -189,13 +303,44 @@ std::string note_of(const RobotDescription::UnreadEntry& entry)
     if (value.key.empty())
       all_have_keys = false;
     else if (std::find(keys.begin(), keys.end(), value.key) == keys.end())
-      keys.push_back(value.key);
+      keys.emplace_back(value.key);
   }
+  if (const auto key = std::find(keys.begin(), keys.end(), "rotor_inertia"); key != keys.end())
+    *key += reflected(entry.values);
   const std::string advice = keys.empty() ? ", and no key in the TOML says it"
                                           : fmt::format(": set {} in the TOML{}", fmt::join(keys, ", "),
                                                         all_have_keys ? "" : "; no key there says the others");
   return fmt::format("{}:{}: joint '{}': {}> {} not read{}", entry.file, entry.line, entry.joint,
                      fmt::join(elements, "> and "), elements.size() == 1 ? "is" : "are", advice);
+}
+
+std::string note_of_signs(const RobotDescription& description)
+{
+  std::vector<std::string> turning, sliding;
+  for (const auto& entry : description.opposite)
+    if (std::any_of(description.actuators.begin(), description.actuators.end(),
+                    [&entry](const auto& actuator)
+                    { return actuator.on == entry.on && actuator.against == entry.against; }))
+      (entry.slides ? sliding : turning).push_back(fmt::format("'{}'", entry.joint));
+  const auto named = [&description](std::vector<std::string> names)
+  {
+    constexpr std::size_t most = 12;
+    if (names.size() > 1 && names.size() == description.actuators.size())
+      return std::string("all joints");
+    const std::size_t others = names.size() > most ? names.size() - most : 0;
+    names.resize(names.size() - others);
+    return fmt::format("{}{}", fmt::join(names, ", "), others > 0 ? fmt::format(" and {} more", others) : "");
+  };
+  std::vector<std::string> parts;
+  if (!turning.empty())
+    parts.push_back(
+        fmt::format("angle and torque of {} count against the URDF's: its axis is +y, ours counter-clockwise "
+                    "in the x-z plane",
+                    named(turning)));
+  if (!sliding.empty())
+    parts.push_back(
+        fmt::format("displacement and force of {} count against the URDF's: its axis is -y, ours +y", named(sliding)));
+  return parts.empty() ? "" : fmt::format("{}: {}", description.opposite.front().file, fmt::join(parts, "; "));
 }
 
 std::optional<std::string> mechanics_in(std::string_view full_name)
@@ -233,6 +378,32 @@ std::optional<std::string> mechanics_in(const tinyxml2::XMLElement& simulator)
                          name);
   }
   return {};
+}
+
+std::vector<std::string> unread_parts(const tinyxml2::XMLElement& element)
+{
+  const std::string_view name = element.Name();
+  std::vector<std::string> parts;
+  if (name != "gazebo" && name != "mujoco")
+  {
+    // the transmissions of a <ros2_control> are read by themselves
+    if (!is_harmless_to(lower(local(name))) && name != "sensor" && name != "ros2_control")
+      add_parts(element, parts);
+    return parts;
+  }
+  for (const auto* child = element.FirstChildElement(); child; child = child->NextSiblingElement())
+    if (const auto part = part_of_simulator(*child);
+        part && std::find(parts.begin(), parts.end(), *part) == parts.end())
+      parts.push_back(*part);
+  return parts;
+}
+
+bool takes_gravity(const tinyxml2::XMLElement& child)
+{
+  const std::string_view name = child.Name();
+  const std::string text = trimmed(child.GetText());
+  return (name == "turnGravityOff" && (text == "true" || text == "1")) ||
+         (name == "gravity" && (text == "false" || text == "0"));
 }
 
 } // namespace torqued

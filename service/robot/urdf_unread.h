@@ -23,6 +23,7 @@ struct Transmission
 {
   std::vector<std::string> joints;
   std::vector<UnreadValue> values;
+  int line = 0;
 };
 /// All of a robot, those in <ros2_control> among them.
 std::vector<Transmission> transmissions_of(const tinyxml2::XMLElement& robot);
@@ -30,6 +31,10 @@ std::vector<Transmission> transmissions_of(const tinyxml2::XMLElement& robot);
 /// "FILE:LINE: joint 'left_hip': <dynamics damping=2 friction=1> and <limit effort=50> are not read: set viscous,
 /// coulomb, torque_limit in the TOML"
 std::string note_of(const RobotDescription::UnreadEntry& entry);
+
+/// "FILE: angle and torque of 'left_hip', 'right_hip' have the opposite sign of the URDF's: …", of the joints whose
+/// actuator turns the same link against the same; empty if there is none.
+std::string note_of_signs(const RobotDescription& description);
 
 /// Takes from the unread entries what an actuator between the same links says by itself. has: whether its table holds
 /// a key.
@@ -48,5 +53,12 @@ void forget_unread(RobotDescription& description, const RobotDescription::Actuat
 std::optional<std::string> mechanics_in(std::string_view name);
 /// The same, of what a simulator's element, <gazebo> or <mujoco>, adds to the robot.
 std::optional<std::string> mechanics_in(const tinyxml2::XMLElement& simulator);
+
+/// What an element of a simulator or a vendor says that might be mechanics, as a note names it: "<springStiffness>",
+/// "<compiler settotalmass=60>". None if it draws, senses or holds plugins alone.
+std::vector<std::string> unread_parts(const tinyxml2::XMLElement& element);
+
+/// Whether a <gazebo> takes gravity from a link by this child.
+bool takes_gravity(const tinyxml2::XMLElement& child);
 
 } // namespace torqued
