@@ -383,14 +383,14 @@ TEST_CASE("a client that floods takes no stream over, and keeps nobody from answ
       if (bench.statuses[i - 1].uptime_us >= before.uptime_us)
         periods.push_back(bench.statuses[i].uptime_us - bench.statuses[i - 1].uptime_us);
     std::sort(periods.begin(), periods.end());
-    CAPTURE(flood.sent(), seconds, answered, during.rejected, periods, bench.rejections.size());
+    CAPTURE(flood.sent(), seconds, answered, during.superseded, during.rejected, periods, bench.rejections.size());
     CHECK(flood.sent() > 5000);
     REQUIRE(seconds > 0.5);
     CHECK(std::all_of(bench.commands.begin(), bench.commands.end(),
                       [](const torque_command_t& command) { return command.stream_id == 77; }));
     CHECK(during.answered <= static_cast<std::int64_t>(bench.sent.size()));
     // under a flood the system drops some of all messages, before they reach the daemon or us
-    CHECK(answered / seconds > 300.0);
+    CHECK(answered / seconds > 200.0);
     CHECK(periods[periods.size() / 2] < 125'000);
     CHECK(systemd.heard("WATCHDOG=1") - fed >= 3);
     CHECK(static_cast<double>(bench.rejections.size()) < 1000.0 * (seconds + 2.0));

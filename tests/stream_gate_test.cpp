@@ -98,6 +98,16 @@ TEST_CASE("clocks that drift apart by 100 ppm cost no sample, even after a minut
   CHECK(pass(gate, 7, later - later / 10'000, later) == "");
 }
 
+TEST_CASE("no gap makes the clock offset be forgotten by more than half of max_age", "[stream_gate]")
+{
+  for (const auto& [late, result] : {std::pair(29'000, ""), std::pair(31'000, "STALE")})
+  {
+    StreamGate gate(kMaxAge);
+    CHECK(pass(gate, 7, 0, 0) == "");
+    CHECK(pass(gate, 7, 3600 * kSecond, 3600 * kSecond + late) == result);
+  }
+}
+
 TEST_CASE("a clock that loses more than 100 ppm ends as stale, like a link that gets later and later", "[stream_gate]")
 {
   StreamGate gate(kMaxAge);
