@@ -172,9 +172,8 @@ public:
   std::size_t disposed() const { return commands.size() + rejections.size(); }
 
   /// Ends the daemon and checks the account of all samples: as its last status gives it, and as it was heard here. All
-  /// commands are finite, in order, each for another of the samples that were sent. in_order: false where a stream's
-  /// order was forgotten.
-  void check_account(bool in_order = true)
+  /// commands are finite, in order, each for another of the samples that were sent.
+  void check_account()
   {
     torqued().signal(SIGTERM);
     REQUIRE(wait([&] { return !statuses.empty() && statuses.back().state == status_t::STOPPING; }));
@@ -183,18 +182,17 @@ public:
     CHECK(last.answered == static_cast<std::int64_t>(commands.size()));
     CHECK(last.rejected == static_cast<std::int64_t>(rejections.size()));
     CHECK(undecoded == 0);
-    check_commands(in_order);
+    check_commands();
     CHECK(torqued().wait() == 0);
   }
 
-  void check_commands(bool in_order = true) const
+  void check_commands() const
   {
     const auto later = [](const torque_command_t& a, const torque_command_t& b)
     {
       return a.stream_id == b.stream_id && a.utime >= b.utime;
     };
-    if (in_order)
-      CHECK(std::adjacent_find(commands.begin(), commands.end(), later) == commands.end());
+    CHECK(std::adjacent_find(commands.begin(), commands.end(), later) == commands.end());
     CHECK(std::all_of(commands.begin(), commands.end(), &all_finite));
     CHECK(std::all_of(commands.begin(), commands.end(),
                       [this](const torque_command_t& command) { return sent.count(command.utime) == 1; }));

@@ -5,6 +5,8 @@
 #include "client/files.h"
 #include "robot/robot_files.h"
 
+#include <fmt/format.h>
+
 namespace daemon_process_test
 {
 
@@ -102,15 +104,23 @@ TEST_CASE("each kind of bad sample gives one rejection with its reason, and the 
   }
 }
 
-TEST_CASE("SIGTERM and SIGINT end torqued cleanly, with STOPPING as its last status", "[daemon_process]")
+TEST_CASE("SIGTERM, SIGINT and SIGHUP end torqued cleanly, with STOPPING as its last status", "[daemon_process]")
 {
-  for (const int signal : {SIGTERM, SIGINT})
+  for (const int signal : {SIGTERM, SIGINT, SIGHUP})
   {
-    Bench bench;
+    CAPTURE(signal);
+    Bench bench({}, {"env", "--default-signal=HUP"});
     bench.torqued().signal(signal);
     CHECK(bench.wait([&] { return !bench.statuses.empty() && bench.statuses.back().state == status_t::STOPPING; }));
     CHECK(bench.torqued().wait() == 0);
   }
+  // but a terminal that is closed ends nothing that nohup has started
+  Bench bench({}, {"env", "--ignore-signal=HUP"});
+  bench.torqued().signal(SIGHUP);
+  bench.hear_for(std::chrono::milliseconds(150));
+  bench.send_one(bench.standing());
+  CHECK(bench.commands.size() == 1);
+  bench.check_account();
 }
 
 TEST_CASE("model and status are published unasked, and say which robot and which settings", "[daemon_process]")
@@ -217,6 +227,11 @@ TEST_CASE("torqued runs with every robot that ships: it answers a desired state 
     CAPTURE(name);
     Bench bench({"--every-sample", "--robot", std::string(name)});
     CHECK(bench.model->name == name);
+    const auto& limits = bench.model->torque_limits;
+    const bool unlimited = std::all_of(limits.begin(), limits.end(), [](double limit) { return std::isinf(limit); });
+    CHECK(unlimited == (name != "ck" && name != "rk" && name != "six-link"));
+    const std::string warning = fmt::format("{} has no torque limit for any motor", name);
+    CHECK(bench.wait([&] { return (bench.output().find(warning) != std::string::npos) == unlimited; }));
     desired_state_t desired = bench.standing();
     if (bench.model->num_feet == 1)
       desired.right_contact = desired_state_t::NONE;

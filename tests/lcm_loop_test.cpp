@@ -2,6 +2,7 @@
 
 #include "daemon/lcm_loop.h"
 
+#include <chrono>
 #include <cstring>
 #include <memory>
 #include <spdlog/logger.h>
@@ -305,15 +306,102 @@ TEST_CASE("after an own stall no old sample is answered, and the stream is not g
 
 TEST_CASE("a sample that waited through an own stall is as old as the stall", "[lcm_loop]")
 {
+  for (const bool others : {false, true})
+  {
+    Bench bench;
+    bench.send(bench.standing(1'000'000));
+    bench.settle();
+    bench.send(bench.standing(1'001'000)); // arrives in time, and then nothing moves for 50 ms
+    bench.send_sleep(50'000);
+    if (others)
+      bench.send(bench.standing(5'000'000, 9)); // what comes after the stall makes it no newer
+    bench.settle();
+    CHECK(bench.commands.size() == 1);
+    REQUIRE(bench.rejections.size() == (others ? 2 : 1));
+    CHECK(bench.rejections.back().reason == rejection_t::STALE);
+  }
+}
+
+TEST_CASE("at most a thousand rejections a second are published, and all are counted", "[lcm_loop]")
+{
   Bench bench;
-  bench.send(bench.standing(1'000'000));
+  desired_state_t bad = bench.standing(10);
+  bad.method = 99;
+  std::vector<std::byte> buffer;
+  const Bytes bytes = encode(bad, buffer);
+  const auto begin = std::chrono::steady_clock::now();
+  for (int i = 0; i < 3000; ++i)
+    bench.send(bytes);
   bench.settle();
-  bench.send(bench.standing(1'001'000)); // arrives in time, and then nothing moves for 50 ms
-  bench.send_sleep(50'000);
+  const auto lasted = std::chrono::steady_clock::now() - begin;
+  CHECK(bench.rejections.size() >= 1000);
+  if (lasted < std::chrono::seconds(1))
+    CHECK(bench.rejections.size() == 1000);
+
+  usleep(1'001'000);
+  for (int i = 0; i < 10; ++i)
+    bench.send(bytes);
+  const std::size_t before = bench.rejections.size();
   bench.settle();
-  CHECK(bench.commands.size() == 1);
-  REQUIRE(bench.rejections.size() == 1);
-  CHECK(bench.rejections[0].reason == rejection_t::STALE);
+  CHECK(bench.rejections.size() == before + 10);
+  usleep(110'000);
+  bench.settle();
+  CHECK(bench.statuses.back().rejected == 3010);
+  CHECK(bench.statuses.back().received == 3010);
+}
+
+TEST_CASE("a flood of what is no sample delays neither answers nor statuses", "[lcm_loop]")
+{
+  std::vector<std::byte> buffer;
+  const auto junk = [&](const Bench& bench)
+  {
+    return encode(bench.standing(5), buffer).first(50);
+  };
+  // a sample is answered in its cycle, while thousands of messages wait behind it
+  bool ended_before_the_flood = false;
+  for (int attempt = 0; attempt < 5; ++attempt) // where the machine takes its time, that cycle sees a stall
+  {
+    Bench bench;
+    bench.send(bench.standing(1000));
+    for (int i = 0; i < 9000; ++i)
+      bench.send(junk(bench));
+    bench.loop().cycle(0.0);
+    int waited = 0;
+    while (bench.bus().handleTimeout(0) > 0)
+      ++waited;
+    CHECK(utimes(bench.commands) == std::vector<std::int64_t>{1000});
+    ended_before_the_flood |= waited > 5000;
+  }
+  CHECK(ended_before_the_flood);
+
+  // more comes than is taken, and yet statuses do not wait for its end
+  Bench bench;
+  const auto begin = std::chrono::steady_clock::now();
+  while (std::chrono::steady_clock::now() < begin + std::chrono::milliseconds(450))
+  {
+    for (int i = 0; i < 2000; ++i)
+      bench.send(junk(bench));
+    bench.loop().cycle(0.0);
+  }
+  while (bench.bus().handleTimeout(0) > 0)
+  {
+  }
+  CHECK(bench.statuses.size() >= 3);
+  CHECK(bench.healthy > 0);
+}
+
+TEST_CASE("a signal is heard in the middle of a backlog", "[lcm_loop]")
+{
+  Bench bench;
+  const int stop = eventfd(1, 0);
+  for (std::int64_t utime = 1000; utime <= 5'000'000; utime += 1000)
+    bench.send(bench.standing(utime));
+  CHECK(bench.loop().cycle(0.0, stop));
+  close(stop);
+  int waited = 0;
+  while (bench.bus().handleTimeout(0) > 0)
+    ++waited;
+  CHECK(waited >= 5000);
 }
 
 TEST_CASE("of a backlog as long as the queue only the newest is answered", "[lcm_loop]")

@@ -173,10 +173,18 @@ TEST_CASE("of messages made at random each is counted, none makes torqued alloca
       random.damage(bytes);
     bench.send(Bytes(bytes));
     ++samples;
-    // what waits fits into the system's buffers
+    // what waits fits into the system's buffers; a reply says that all before its request was dealt with
     if (samples % 40 == 0)
     {
-      REQUIRE(bench.wait([&] { return answered + rejected + static_cast<std::int64_t>(bench.disposed()) == samples; }));
+      bench.ask(samples);
+      REQUIRE(bench.wait(
+          [&]
+          {
+            return std::any_of(bench.dynamics.begin(), bench.dynamics.end(),
+                               [samples](const dynamics_t& reply) { return reply.request_id == samples; });
+          }));
+      if (bench.commands.empty()) // a damaged sample may have shown any clock
+        stream_id = random.stream_id();
       REQUIRE(std::all_of(bench.commands.begin(), bench.commands.end(), &all_finite));
       answered += static_cast<std::int64_t>(bench.commands.size());
       rejected += static_cast<std::int64_t>(bench.rejections.size());
@@ -191,7 +199,8 @@ TEST_CASE("of messages made at random each is counted, none makes torqued alloca
   CHECK(answered > samples / 50);
   CHECK(status.received == samples);
   CHECK(status.answered == answered);
-  CHECK(status.rejected == rejected);
+  CHECK(status.rejected == samples - answered);
+  CHECK(rejected <= status.rejected); // at most a thousand a second are published
 #ifdef ALLOCATION_GUARD
   bench.torqued().signal(SIGUSR2);
   std::string report;
@@ -222,7 +231,8 @@ TEST_CASE("a long run on a bad network keeps account, memory, descriptors, statu
   int stops = 0;
   long least_memory = std::numeric_limits<long>::max(), most_memory = 0;
   long least_descriptors = std::numeric_limits<long>::max(), most_descriptors = 0;
-  auto next_second = begin;
+  auto next_second = begin, answered_at = begin;
+  std::size_t seen = 0; // commands
   for (auto next = begin; next < end; next += 1ms)
   {
     bench.hear_until(next);
@@ -235,9 +245,15 @@ TEST_CASE("a long run on a bad network keeps account, memory, descriptors, statu
       random.damage(bytes);
     bench.send(Bytes(bytes));
     ++sent;
-    if (random.one_in(5000))
+    if (bench.commands.size() != seen)
+    {
+      seen = bench.commands.size();
+      answered_at = next;
+    }
+    if (random.one_in(5000) || next > answered_at + 200ms) // a damaged sample may have shown any clock
     {
       stream_id = random.stream_id();
+      answered_at = next;
       ++streams;
     }
     if (random.one_in(10'000))
@@ -268,6 +284,7 @@ TEST_CASE("a long run on a bad network keeps account, memory, descriptors, statu
     commands += static_cast<std::int64_t>(bench.commands.size());
     rejections += static_cast<std::int64_t>(bench.rejections.size());
     bench.forget();
+    seen = 0;
     if (next < warm)
       continue;
     const auto [memory, descriptors] = memory_and_descriptors(bench.torqued().pid());

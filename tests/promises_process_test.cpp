@@ -4,6 +4,7 @@
 #include "robot/robot_files.h"
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <cstdlib>
 #include <fcntl.h>
@@ -78,6 +79,40 @@ private:
   std::vector<std::string> words_;
 };
 
+// Another client, which publishes the same bytes as fast as it can; those of a sample have the time of their sending.
+class Flood
+{
+public:
+  explicit Flood(std::vector<std::byte> bytes) : bytes_(std::move(bytes)), thread_(&Flood::run, this) {}
+  ~Flood()
+  {
+    ends_ = true;
+    thread_.join();
+  }
+  Flood(const Flood&) = delete;
+  Flood& operator=(const Flood&) = delete;
+
+  std::int64_t sent() const { return sent_; }
+
+private:
+  void run()
+  {
+    lcm::LCM bus;
+    for (; !ends_; ++sent_)
+    {
+      const auto utime = static_cast<std::uint64_t>(Bench::now());
+      for (std::size_t i = 0; i < 8; ++i)
+        bytes_[8 + i] = static_cast<std::byte>(utime >> (56 - 8 * i));
+      bus.publish("TORQUED_DESIRED", bytes_.data(), static_cast<unsigned>(bytes_.size()));
+    }
+  }
+
+  std::vector<std::byte> bytes_;
+  std::atomic<bool> ends_ = false;
+  std::atomic<std::int64_t> sent_ = 0;
+  std::thread thread_;
+};
+
 constexpr const char* kMulticast = "ip link set lo up multicast on && ip route add 224.0.0.0/4 dev lo";
 
 } // namespace
@@ -137,11 +172,12 @@ TEST_CASE("whatever the bytes of a sample, it is counted once and the next good 
   for (std::size_t i = 0; i < bad.size(); ++i)
   {
     bench.send(Bytes(bad[i]));
-    // what waits fits into a socket's buffer
+    // what waits fits into a socket's buffer, and a thousand rejections a second are published
     if (i % 50 == 49 || i + 1 == bad.size())
     {
       CAPTURE(i);
       REQUIRE(bench.wait([&] { return bench.rejections.size() == i + 1; }));
+      bench.hear_for(std::chrono::milliseconds(55));
     }
   }
   CHECK(bench.commands.empty());
@@ -273,6 +309,100 @@ TEST_CASE("a log that cannot be written stops nothing", "[promises_process]")
   bench.send_one(bench.standing());
   CHECK(bench.commands.size() == 1);
   bench.check_account();
+}
+
+TEST_CASE("a log whose reader has gone ends nothing", "[promises_process]")
+{
+  const TemporaryFolder folder;
+  const std::string pipe = folder.file("errors");
+  REQUIRE(mkfifo(pipe.c_str(), 0600) == 0);
+  const auto open_reader = [&pipe]
+  {
+    return open(pipe.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC);
+  };
+  const std::vector<std::string> as_in_a_shell{"env", "--default-signal=PIPE"};
+  {
+    const int reader = open_reader();
+    Bench bench({}, as_in_a_shell, pipe);
+    close(reader);
+    for (int i = 0; i < 3; ++i)
+    {
+      desired_state_t bad = bench.standing();
+      bad.method = static_cast<std::int8_t>(99);
+      bad.model_id += i == 1 ? 1 : 0; // another reason is another line
+      bench.send_one(bad);
+      bench.hear_for(std::chrono::milliseconds(20));
+    }
+    bench.send_one(bench.standing());
+    CHECK(bench.commands.size() == 1);
+    bench.check_account();
+  }
+
+  // a start that fails has its exit code, though nobody can read why
+  struct Row
+  {
+    std::string arguments;
+    int code;
+  };
+  for (const Row& row : {Row{"--nonsense", 64}, {"--robot nobody", 78}, {"--robot ck --lcm-url nothing://", 69}})
+  {
+    CAPTURE(row.arguments);
+    std::vector<std::string> command = as_in_a_shell;
+    command.insert(command.end(), {"sh", "-c", fmt::format("sleep 0.3; exec {} {}", TORQUED, row.arguments)});
+    const int reader = open_reader();
+    Process torqued(command, folder.file("out"), pipe);
+    close(reader);
+    CHECK(torqued.wait() == row.code);
+  }
+}
+
+TEST_CASE("a client that floods takes no stream over, and keeps nobody from answers, statuses, watchdog and end",
+          "[promises_process]")
+{
+  const TemporaryFolder folder;
+  for (const bool samples : {true, false})
+  {
+    CAPTURE(samples);
+    NotifySocket systemd(folder.file(samples ? "samples" : "junk"));
+    Bench bench({}, {"env", systemd.variable()});
+    desired_state_t other = bench.standing();
+    other.stream_id = 99;
+    std::vector<std::byte> bytes = encoded(other);
+    if (!samples)
+      bytes.resize(bytes.size() - 9);
+    bench.stream(std::chrono::milliseconds(100));
+    const status_t before = bench.statuses.back();
+    const int fed = systemd.heard("WATCHDOG=1");
+    const Flood flood(bytes);
+    bench.stream(std::chrono::milliseconds(1500));
+    const status_t during = bench.statuses.back();
+    const double seconds = 1e-6 * static_cast<double>(during.uptime_us - before.uptime_us);
+    const auto answered = static_cast<double>(during.answered - before.answered);
+    std::vector<std::int64_t> periods;
+    for (std::size_t i = 1; i < bench.statuses.size(); ++i)
+      if (bench.statuses[i - 1].uptime_us >= before.uptime_us)
+        periods.push_back(bench.statuses[i].uptime_us - bench.statuses[i - 1].uptime_us);
+    std::sort(periods.begin(), periods.end());
+    CAPTURE(flood.sent(), seconds, answered, during.superseded, during.rejected, periods, bench.rejections.size());
+    CHECK(flood.sent() > 5000);
+    REQUIRE(seconds > 0.5);
+    CHECK(std::all_of(bench.commands.begin(), bench.commands.end(),
+                      [](const torque_command_t& command) { return command.stream_id == 77; }));
+    CHECK(during.answered <= static_cast<std::int64_t>(bench.sent.size()));
+    // under a flood the system drops some of all messages, before they reach the daemon or us
+    CHECK(answered / seconds > 200.0);
+    CHECK(periods[periods.size() / 2] < 125'000);
+    CHECK(systemd.heard("WATCHDOG=1") - fed >= 3);
+    CHECK(static_cast<double>(bench.rejections.size()) < 1000.0 * (seconds + 2.0));
+    CHECK(during.received == during.answered + during.rejected + during.superseded);
+
+    const auto begin = Clock::now();
+    bench.torqued().signal(SIGTERM);
+    REQUIRE(bench.torqued().wait() == 0);
+    // 100 ms are promised; what the machine adds while other programs use it is not the daemon's
+    CHECK(Clock::now() - begin < std::chrono::milliseconds(500));
+    CHECK(systemd.heard("STOPPING=1") == 1);
+  }
 }
 
 TEST_CASE("systemd hears READY when the bus is proven, WATCHDOG as long as it carries messages, and STOPPING",

@@ -46,16 +46,61 @@ std::optional<Refusal> check_consistency(const AnswerSettings& settings, const C
       settings.sole_tilt_tolerance);
 }
 
+// The time since the answer before, µs, in which torques may have changed.
+struct Elapsed
+{
+  bool follows;       // whether there is an answer before
+  std::int64_t time;  // positive; of no consequence if there is none
+  std::int64_t ahead; // StreamMemory::ahead after this one
+};
+
+Elapsed elapsed_since(const StreamMemory& memory, const DesiredState& desired, const std::optional<OwnClock>& clock)
+{
+  const bool same_stream = memory.answered && memory.stream_id == desired.stream_id && memory.utime < desired.utime;
+  std::int64_t sent = 1;
+  if (same_stream && __builtin_sub_overflow(desired.utime, memory.utime, &sent))
+    sent = std::numeric_limits<std::int64_t>::max();
+  if (!clock || !memory.answered)
+    return {same_stream, sent, 0};
+
+  const std::int64_t own = std::max<std::int64_t>(clock->now - memory.now, 0);
+  const std::int64_t most = 5 * clock->max_age;
+  if (!same_stream)
+    return {true, std::clamp<std::int64_t>(own, 1, most), 0};
+  const std::int64_t time =
+      std::clamp<std::int64_t>(sent, 1, std::max<std::int64_t>(own + clock->max_age - memory.ahead, 1));
+  return {true, time, std::max(memory.ahead + time - own, -most)};
+}
+
+// Whether a torque is one that a robot of this size could ever need.
+std::optional<Refusal> check_magnitude(const Robot& robot, const VectorJ& torque)
+{
+  const double weight = robot.weight();
+  const double most = kMostTorque * weight * std::min(robot.leg_length, 1.0);
+  if (torque.lpNorm<Eigen::Infinity>() <= most)
+    return {};
+  for (int j = 0; j < robot.num_joints(); ++j)
+  {
+    const Actuator& actuator = robot.actuators[static_cast<std::size_t>(j)];
+    const bool slide = is_force(robot, actuator);
+    const double limit = kMostTorque * weight * (slide ? 1.0 : robot.leg_length);
+    if (!(std::abs(torque(j)) <= limit))
+      return Refusal(Reason::numerical,
+                     "{} would need {:.4g} {}; expected at most {:.4g}, {} times {}: the motion's numbers are no "
+                     "motion of this robot",
+                     actuator.name, torque(j), slide ? "N" : "N m", limit, kMostTorque,
+                     slide ? "the weight" : "weight times leg length");
+  }
+  return {};
+}
+
 // the last operation before the answer is checked: no torque is changed after this
-std::optional<Refusal> apply_limits(const Robot& robot, const AnswerSettings& settings, const DesiredState& desired,
+std::optional<Refusal> apply_limits(const Robot& robot, const AnswerSettings& settings, const Elapsed& elapsed,
                                     const StreamMemory& memory, VectorJ& torque, std::int32_t& flags)
 {
   constexpr double rounding = 1.0 + 1e-9;
-  const bool follows = memory.answered && memory.stream_id == desired.stream_id && memory.utime < desired.utime;
-  std::int64_t elapsed = 1; // of no consequence if it follows none; 0 times an infinite limit would be no number
-  if (follows && __builtin_sub_overflow(desired.utime, memory.utime, &elapsed))
-    elapsed = std::numeric_limits<std::int64_t>::max();
-  const double dt = 1e-6 * static_cast<double>(elapsed);
+  const bool follows = elapsed.follows;
+  const double dt = 1e-6 * static_cast<double>(elapsed.time); // not 0: 0 times an infinite limit would be no number
   bool in_limits = true;
   const double* now = torque.data();
   const double* before = follows ? memory.torque.data() : now; // of no change, if it follows none
@@ -145,7 +190,7 @@ void set_accelerations(const Robot& robot, const DesiredState& asked, const Desi
 // contacts before it was projected; empty if it was not
 std::optional<Refusal> answer_motion(const Robot& robot, const AnswerSettings& settings, const DesiredState& asked,
                                      const DesiredState& desired, const std::optional<ContactErrors>& before,
-                                     StreamMemory& memory, Answer& answer)
+                                     StreamMemory& memory, const std::optional<OwnClock>& clock, Answer& answer)
 {
   const Result<SupportEquations> built = support_equations(robot, desired);
   if (const Refusal* refusal = std::get_if<Refusal>(&built))
@@ -188,7 +233,10 @@ std::optional<Refusal> answer_motion(const Robot& robot, const AnswerSettings& s
   set_accelerations(robot, asked, desired, (flags & flag::projected) != 0, answer);
   if (!robot.fixed_root())
     answer.base_a = equations.base_acceleration;
-  if (const auto refusal = apply_limits(robot, settings, desired, memory, solution.torque, flags))
+  if (const auto refusal = check_magnitude(robot, solution.torque))
+    return *refusal;
+  const Elapsed elapsed = elapsed_since(memory, desired, clock);
+  if (const auto refusal = apply_limits(robot, settings, elapsed, memory, solution.torque, flags))
     return *refusal;
   answer.dynamics_residual = dynamics_residual(robot, equations, solution);
   answer.flags = flags;
@@ -199,6 +247,8 @@ std::optional<Refusal> answer_motion(const Robot& robot, const AnswerSettings& s
   memory.answered = true;
   memory.stream_id = desired.stream_id;
   memory.utime = desired.utime;
+  memory.now = clock ? clock->now : 0;
+  memory.ahead = elapsed.ahead;
   copy_whole(solution.torque, memory.torque);
   return {};
 }
@@ -248,12 +298,13 @@ Result<DesiredState> answered_motion(const Robot& robot, const AnswerSettings& s
 }
 
 Result<Answer> answer(const Robot& robot, const AnswerSettings& settings, const DesiredState& desired,
-                      StreamMemory& memory)
+                      StreamMemory& memory, const std::optional<OwnClock>& clock)
 {
   Result<Answer> result(std::in_place_type<Answer>);
   const auto fill = [&](const DesiredState& motion, const std::optional<ContactErrors>& before)
   {
-    if (const auto refusal = answer_motion(robot, settings, desired, motion, before, memory, std::get<Answer>(result)))
+    if (const auto refusal =
+            answer_motion(robot, settings, desired, motion, before, memory, clock, std::get<Answer>(result)))
       result = *refusal;
   };
   if (!settings.project)

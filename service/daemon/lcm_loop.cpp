@@ -23,9 +23,13 @@ constexpr std::int64_t kModelPeriod = 2'000'000; // µs
 constexpr std::int64_t kBusProof = 1'000'000;    // µs
 // When so many of our own statuses in a row have not come back, the bus is broken.
 constexpr int kDeaf = 5;
-// Messages that LCM keeps for us, because a full queue would drop the newest; and the most that one cycle deals with:
-// all that waited when it began, and yet a flood cannot keep the newest from its answer.
+// Messages that LCM keeps for us, because a full queue would drop the newest.
 constexpr int kQueue = 10'000;
+// A cycle takes messages for so long, µs, so that a flood keeps neither the newest sample from its answer nor statuses
+// and watchdog from their turn. Of a backlog only the newest counts: that is taken for longer, while each sample
+// supersedes the one before, and whatever it holds if the process itself stood still.
+constexpr std::int64_t kLongestIntake = 500;
+constexpr std::int64_t kLongestBacklog = 50'000;
 
 // What is logged besides refusals, which are logged by the numbers of their reasons, from 1. A repeated one is logged
 // once in a while, and counted.
@@ -51,6 +55,11 @@ std::int64_t random_id()
   return std::uniform_int_distribution<std::int64_t>(1)(device);
 }
 
+std::int64_t max_age_us(const Config& config)
+{
+  return std::llround(1e6 * config.max_age);
+}
+
 Bytes bytes_of(const lcm_recv_buf_t* buffer)
 {
   return received_bytes(buffer->data, buffer->data_size);
@@ -62,8 +71,9 @@ LcmLoop::LcmLoop(lcm::LCM& bus, const Robot& robot, const Config& config, spdlog
                  Surroundings surroundings)
     : bus_(bus), robot_(robot), config_(config), log_(log), surroundings_(std::move(surroundings)),
       channels_(config.prefix), parameters_(base_parameters(robot)), gate_(config.max_age), command_(), rejection_(),
-      status_(), dynamics_(), start_(monotonic_us()), last_awake_(start_)
+      status_(), dynamics_(), start_(monotonic_us()), last_awake_(start_), resumed_(start_)
 {
+  rejected_at_.fill(start_ - kSecond);
   const std::int64_t id = settings_id(config_.answers);
   status_.instance_id = random_id();
   status_.model_id = robot_.model_id;
@@ -137,28 +147,48 @@ bool LcmLoop::cycle(double timeout, int stop_fd)
   const int wait_ms = static_cast<int>(std::ceil(1e3 * wait));
   std::array<pollfd, 2> fds{{{bus_.getFileno(), POLLIN, 0}, {stop_fd, POLLIN, 0}}};
   poll(fds.data(), fds.size(), wait_ms);
-  notice_own_stall(monotonic_us(), std::int64_t{1000} * wait_ms);
+  const std::int64_t begin = monotonic_us();
+  notice_own_stall(begin, std::int64_t{1000} * wait_ms);
 
   // by poll() alone: handleTimeout() would ask once more, by select(), before each message
-  bool waits = (fds[0].revents & POLLIN) != 0;
-  for (int i = 0; waits && i < kQueue && bus_.handle() == 0; ++i)
-    waits = poll(fds.data(), 1, 0) == 1 && (fds[0].revents & POLLIN) != 0;
+  const auto ends = [&]
+  {
+    return (fds[1].revents & POLLIN) != 0;
+  };
+  bool takes = true, stood_still = false;
+  std::int64_t from = begin;
+  while (takes && !ends() && (fds[0].revents & POLLIN) != 0)
+  {
+    const std::int64_t superseded = status_.superseded;
+    if (bus_.handle() != 0)
+      break;
+    const std::int64_t now = monotonic_us();
+    notice_own_stall(now);
+    if (!stood_still && resumed_ >= before)
+    {
+      stood_still = true; // only once, or a starved process would take messages for ever
+      from = std::max(begin, resumed_);
+    }
+    const bool backlog = stood_still || status_.superseded > superseded;
+    takes = now - from < (backlog ? kLongestBacklog : kLongestIntake);
+    poll(fds.data(), fds.size(), 0);
+  }
   answer_pending();
   answer_oldest_request();
   note_deafness();
   publish_status_and_model_when_due();
-  return (fds[1].revents & POLLIN) != 0;
+  return ends();
 }
 
-// Whether this process itself stood still since it last looked, beyond the time (µs) it meant to sleep.
-bool LcmLoop::notice_own_stall(std::int64_t now, std::int64_t asleep)
+// Notes whether this process itself stood still since it last looked, beyond the time (µs) it meant to sleep.
+void LcmLoop::notice_own_stall(std::int64_t now, std::int64_t asleep)
 {
   const std::int64_t stood_still = now - last_awake_ - asleep;
   last_awake_ = now;
   if (static_cast<double>(stood_still) <= 1e6 * config_.max_age)
-    return false;
-  gate_.pause(stood_still, now);
-  return true;
+    return;
+  gate_.pause(stood_still);
+  resumed_ = now;
 }
 
 void LcmLoop::hear_desired(const lcm_recv_buf_t* buffer, const char* channel, void* self) noexcept
@@ -225,14 +255,14 @@ void LcmLoop::answer_pending()
 void LcmLoop::answer_sample(const DesiredState& desired, std::int64_t arrival)
 {
   const Sender sender{desired.utime, desired.stream_id};
-  // its age is that at its arrival, unless this process stood still since
-  const std::int64_t now = monotonic_us();
-  const std::int64_t judged = notice_own_stall(now) ? now : arrival;
-  if (const auto refusal = gate_.accept(desired.utime, judged, !config_.every_sample))
+  // its age is that at its arrival, or when this process went on after it had stood still since
+  notice_own_stall(monotonic_us());
+  if (const auto refusal = gate_.accept(desired.utime, std::max(arrival, resumed_), !config_.every_sample))
     return reject(sender, *refusal);
 
   const std::int64_t begin = nanoseconds(CLOCK_MONOTONIC);
-  const Result<Answer> answered = answer(robot_, config_.answers, desired, memory_);
+  const Result<Answer> answered =
+      answer(robot_, config_.answers, desired, memory_, OwnClock{begin / 1000, max_age_us(config_)});
   const std::int64_t end = nanoseconds(CLOCK_MONOTONIC);
   if (const Refusal* refusal = std::get_if<Refusal>(&answered))
     return reject(sender, *refusal);
@@ -254,7 +284,8 @@ void LcmLoop::answer_sample(const DesiredState& desired, std::int64_t arrival)
 void LcmLoop::reject(const Sender& sender, const Refusal& refusal)
 {
   fill(rejection_, sender, refusal);
-  publish(channels_.rejected, rejection_);
+  if (may_publish_rejection())
+    publish(channels_.rejected, rejection_);
   ++status_.rejected;
   ++status_.received;
   status_.last_reason = rejection_.reason;
@@ -263,6 +294,18 @@ void LcmLoop::reject(const Sender& sender, const Refusal& refusal)
   if (may_log(static_cast<std::size_t>(refusal.reason()), kSecond))
     log_.warn("rejected: {}: {:.170} ({} rejected so far)", name_of(refusal.reason()), refusal.detail(),
               status_.rejected);
+}
+
+// Whether fewer than kMostRejections have been published in the second before; then this one counts as published.
+bool LcmLoop::may_publish_rejection()
+{
+  const std::int64_t now = monotonic_us();
+  std::int64_t& oldest = rejected_at_[next_rejection_];
+  if (now - oldest < kSecond)
+    return false;
+  oldest = now;
+  next_rejection_ = (next_rejection_ + 1) % rejected_at_.size();
+  return true;
 }
 
 // Whether this has not been logged for a while (µs); then it counts as logged now.

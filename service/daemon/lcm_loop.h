@@ -84,7 +84,8 @@ private:
   void publish_status_and_model_when_due();
   void note_deafness();
   std::int8_t state(std::int64_t now) const;
-  bool notice_own_stall(std::int64_t now, std::int64_t asleep = 0);
+  void notice_own_stall(std::int64_t now, std::int64_t asleep = 0);
+  bool may_publish_rejection();
   bool may_log(std::size_t what, std::int64_t period);
 
   template <typename Message> void publish(const std::string& channel, const Message& message);
@@ -126,7 +127,12 @@ private:
   std::vector<std::byte> buffer_;
 
   Latencies latencies_;
+  // The most rejections published in a second; those beyond are counted alone.
+  static constexpr std::size_t kMostRejections = 1000;
+  std::array<std::int64_t, kMostRejections> rejected_at_; // when the last ones were published, in a ring
+  std::size_t next_rejection_ = 0;
   std::int64_t start_, last_arrival_ = -1, last_awake_, next_status_ = 0, next_model_ = 0;
+  std::int64_t resumed_;  // when this process last went on after it had stood still
   int statuses_away_ = 0; // published since one of our own came back
   bool deaf_ = false;
   std::array<std::int64_t, 17> next_log_{}; // by reason or event: when it may be logged again

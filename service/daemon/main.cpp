@@ -5,13 +5,14 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <cmath>
+#include <csignal>
 #include <cstdio>
 #include <cstdlib>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 #include <optional>
 #include <poll.h>
-#include <signal.h>
 #include <spdlog/async.h>
 #include <spdlog/sinks/stdout_color_sinks.h>
 #include <spdlog/spdlog.h>
@@ -105,15 +106,19 @@ std::optional<Config> configure(int argc, char** argv)
   return config;
 }
 
-// A file that SIGTERM and SIGINT make readable. What has not ended by itself soon after that, because something blocks
-// it — the bus, a full disk, a terminal that nobody reads — is ended here. To be called before any other thread starts,
-// so that all of them leave the signals to this one.
+// A file that SIGTERM, SIGINT and SIGHUP make readable. What has not ended by itself soon after that, because something
+// blocks it — the bus, a full disk, a terminal that nobody reads — is ended here. To be called before any other thread
+// starts, so that all of them leave the signals to this one. A terminal that is closed ends nothing if nohup, or
+// whoever started us, had SIGHUP ignored.
 int end_by_signal()
 {
   sigset_t signals;
   sigemptyset(&signals);
   sigaddset(&signals, SIGTERM);
   sigaddset(&signals, SIGINT);
+  struct sigaction hang_up;
+  if (sigaction(SIGHUP, nullptr, &hang_up) == 0 && hang_up.sa_handler != SIG_IGN)
+    sigaddset(&signals, SIGHUP);
   pthread_sigmask(SIG_BLOCK, &signals, nullptr);
   const int stop_fd = eventfd(0, EFD_CLOEXEC);
   std::thread(
@@ -127,6 +132,17 @@ int end_by_signal()
       })
       .detach();
   return stop_fd;
+}
+
+// The motors without a torque limit, or "any motor".
+std::string without_torque_limit(const Robot& robot)
+{
+  std::vector<std::string> names;
+  for (const Actuator& actuator : robot.actuators)
+    if (std::isinf(actuator.torque_limit))
+      names.push_back(actuator.name);
+  return names.size() == robot.actuators.size() && !names.empty() ? "any motor"
+                                                                  : fmt::format("{}", fmt::join(names, ", "));
 }
 
 int serve(const Config& config)
@@ -167,6 +183,11 @@ int serve(const Config& config)
   if (std::none_of(robot.feet.begin(), robot.feet.end(), [](const Foot& foot) { return foot.exists(); }))
     log->warn("{} has no feet: no contact with the ground is possible; a TOML file with [[foot]] tables gives it some",
               robot.name);
+  if (const std::string unlimited = without_torque_limit(robot); !unlimited.empty())
+    log->warn(
+        "{} has no torque limit for {}: what is asked of these motors is bounded only by {} times weight times leg "
+        "length; torque_limit in the robot's file gives them one",
+        robot.name, unlimited, kMostTorque);
   flush_denormals();
   sd_notify(0, "READY=1");
   loop.run(stop_fd);
@@ -176,26 +197,31 @@ int serve(const Config& config)
   return EX_OK;
 }
 
+// By the C library: fmt would throw where nobody reads stderr, and end by SIGABRT.
+int complain(int code, const std::string& message)
+{
+  std::fputs(("torqued: " + message + "\n").c_str(), stderr);
+  return code;
+}
+
 } // namespace
 
 int main(int argc, char** argv)
 try
 {
+  std::signal(SIGPIPE, SIG_IGN); // a log whose reader has gone ends nothing
   const std::optional<Config> config = configure(argc, argv);
   return config ? serve(*config) : EX_OK;
 }
 catch (const Exit& exit)
 {
-  fmt::print(stderr, "torqued: {}\n", exit.message);
-  return exit.code;
+  return complain(exit.code, exit.message);
 }
 catch (const FileError& error)
 {
-  fmt::print(stderr, "torqued: {}\n", error.what());
-  return EX_CONFIG;
+  return complain(EX_CONFIG, error.what());
 }
 catch (const std::exception& error)
 {
-  fmt::print(stderr, "torqued: {}\n", error.what());
-  return EXIT_FAILURE;
+  return complain(EXIT_FAILURE, error.what());
 }

@@ -10,13 +10,15 @@ namespace torqued
 namespace
 {
 
+using Limits = std::numeric_limits<std::int64_t>;
+
 // a − b; a sender's clock may show anything
 std::int64_t saturated_difference(std::int64_t a, std::int64_t b)
 {
   std::int64_t difference;
   if (!__builtin_sub_overflow(a, b, &difference))
     return difference;
-  return a < b ? std::numeric_limits<std::int64_t>::min() : std::numeric_limits<std::int64_t>::max();
+  return a < b ? Limits::min() : Limits::max();
 }
 
 } // namespace
@@ -25,67 +27,83 @@ StreamGate::StreamGate(double max_age) : max_age_(static_cast<std::int64_t>(std:
 
 bool StreamGate::silent(std::int64_t now) const
 {
-  return running(now) - last_accepted_ > 5 * max_age_;
+  return !waiting_ && running(now) - present_.last_accepted > 5 * max_age_;
 }
 
 std::optional<Refusal> StreamGate::arrive(const Sender& sender, std::int64_t now)
 {
-  if (following_ && silent(now))
-    following_ = false;
-  if (following_ && sender.stream_id != stream_id_)
+  const bool is_present = following_ && sender.stream_id == present_.id;
+  if (following_ && !is_present && !silent(now))
   {
     ++conflicts_;
     return Refusal(Reason::other_stream, "stream_id is {}; stream {} is followed until it has been silent for {} us",
-                   sender.stream_id, stream_id_, 5 * max_age_);
+                   sender.stream_id, present_.id, 5 * max_age_);
   }
-  if (following_ && sender.utime <= last_utime_)
-    return Refusal(Reason::out_of_order, "utime is {}; expected more than {}, that of the sample before", sender.utime,
-                   last_utime_);
-  if (!following_)
+  Stream* const known = is_present ? &present_ : remembered(sender.stream_id);
+  if (known != nullptr && sender.utime <= known->last_utime)
+    return Refusal(Reason::out_of_order,
+                   "utime is {}; expected more than {}, that of this stream's sample before; a client that starts "
+                   "anew, or whose clock was set back, takes a new stream_id",
+                   sender.utime, known->last_utime);
+  const std::int64_t delay = saturated_difference(now, sender.utime);
+  if (!is_present)
   {
+    const Stream next = known != nullptr ? *known : Stream{sender.stream_id, 0, delay, now, 0, false};
+    leave(known);
+    present_ = next;
     following_ = true;
-    stream_id_ = sender.stream_id;
-    began_ = now;
-    last_accepted_ = running(now);
-    windows_.fill({});
   }
-  last_utime_ = sender.utime;
-  remember_delay(saturated_difference(now, sender.utime), now);
+  forget(present_, now);
+  present_.smallest_delay = std::min(present_.smallest_delay, delay);
+  present_.last_utime = sender.utime;
+  waiting_ = true;
   return {};
 }
 
 std::optional<Refusal> StreamGate::accept(std::int64_t utime, std::int64_t arrival, bool check_age)
 {
-  const std::int64_t delay = saturated_difference(arrival, utime);
-  const std::int64_t age = saturated_difference(delay, smallest_delay(arrival));
+  waiting_ = false;
+  const std::int64_t age = saturated_difference(saturated_difference(arrival, utime), present_.smallest_delay);
   if (check_age && age > max_age_)
-    return Refusal(Reason::stale, "the sample is {} us older than the freshest of the last 10 s; max_age is {} us", age,
+    return Refusal(Reason::stale, "the sample is {} us older than the freshest of its stream; max_age is {} us", age,
                    max_age_);
-  if (check_age && resumed_ && began_ >= *resumed_ && arrival - *resumed_ <= max_age_)
-    return Refusal(
-        Reason::stale,
-        "the stream starts {} us after the daemon itself stood still, so the sample may be of any age; expected "
-        "more than {} us, max_age",
-        arrival - *resumed_, max_age_);
-  last_accepted_ = running(arrival);
+  present_.last_accepted = running(arrival);
+  present_.accepted = true;
   return {};
 }
 
-void StreamGate::remember_delay(std::int64_t delay, std::int64_t now)
+StreamGate::Stream* StreamGate::remembered(std::int64_t id)
 {
-  const std::int64_t number = running(now) / kWindow;
-  Window& window = windows_[static_cast<std::size_t>(number) % windows_.size()];
-  window = {number, window.number == number ? std::min(window.smallest_delay, delay) : delay};
+  Stream* const end = left_.data() + num_left_;
+  Stream* const found = std::find_if(left_.data(), end, [id](const Stream& stream) { return stream.id == id; });
+  return found == end ? nullptr : found;
 }
 
-std::int64_t StreamGate::smallest_delay(std::int64_t now) const
+// Remembers the present stream in place of the one that is taken up again, or of the one that was left first.
+void StreamGate::leave(Stream* taken_up)
 {
-  const std::int64_t newest = running(now) / kWindow;
-  std::int64_t smallest = std::numeric_limits<std::int64_t>::max();
-  for (const Window& window : windows_)
-    if (window.number >= 0 && window.number > newest - static_cast<std::int64_t>(windows_.size()))
-      smallest = std::min(smallest, window.smallest_delay);
-  return smallest;
+  if (!following_ || !present_.accepted)
+  {
+    if (taken_up != nullptr)
+      *taken_up = left_[--num_left_];
+    return;
+  }
+  if (taken_up == nullptr)
+    taken_up = num_left_ < left_.size() ? &left_[num_left_++]
+                                        : std::min_element(left_.begin(), left_.end(),
+                                                           [](const Stream& a, const Stream& b)
+                                                           { return a.last_accepted < b.last_accepted; });
+  *taken_up = present_;
+}
+
+// The smallest delay grows as fast as clocks may drift, but not by more than max_age / 2 at once.
+void StreamGate::forget(Stream& stream, std::int64_t now) const
+{
+  const std::int64_t drift = (now - stream.forgotten) / kDrift;
+  const std::int64_t most = max_age_ / 2;
+  stream.forgotten = drift < most ? stream.forgotten + drift * kDrift : now;
+  if (__builtin_add_overflow(stream.smallest_delay, std::min(drift, most), &stream.smallest_delay))
+    stream.smallest_delay = Limits::max();
 }
 
 } // namespace torqued

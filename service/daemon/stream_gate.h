@@ -5,6 +5,7 @@
 #include "wire/codec.h"
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <optional>
 
@@ -13,16 +14,23 @@ namespace torqued
 
 /// Follows one stream of desired states. Times are µs of a monotonic clock, which the caller reads.
 ///
-/// A stream is followed from its first sample until it has been silent, without an accepted sample, for 5 × max_age;
-/// then its clock offset, its order and its name are forgotten, and the next sample of whoever starts anew.
+/// A stream is followed until it has been silent, without an accepted sample, for 5 × max_age while the process ran; a
+/// sample that waits for its answer keeps its stream. Only then is another stream followed. Order and clock offset
+/// belong to a stream_id, for good: a stream that was silent, or left, goes on where it was. Those of the last
+/// kRemembered streams that were left are kept; a stream counts once one of its samples was accepted.
 ///
 /// Age: the sender's clock and ours need not agree. A sample's delay is our arrival time minus its utime; its age is
-/// its delay minus the smallest delay of the last 10 s, so the freshest sample seen lately counts as new. What waited
-/// while the process itself did not run, and belongs to no stream whose delays are known, may be of any age: for
-/// max_age after such a pause the samples of a stream that starts anew are stale.
+/// its delay minus the smallest delay of its stream so far, which is forgotten no faster than clocks drift: kDrift of
+/// the time that passes, and at most max_age / 2 from one sample to the next. So what comes late after a gap is late.
+/// The first sample of a stream has no known age.
 class StreamGate
 {
 public:
+  /// Streams that were left and are remembered, besides the present one.
+  static constexpr std::size_t kRemembered = 63;
+  /// How much faster one clock may run than another: 1 in so many.
+  static constexpr std::int64_t kDrift = 10'000;
+
   /// max_age: s.
   explicit StreamGate(double max_age);
 
@@ -33,42 +41,39 @@ public:
   /// arrival: when it arrived, or a later time if the process did not run in between.
   std::optional<Refusal> accept(std::int64_t utime, std::int64_t arrival, bool check_age);
 
-  /// The process itself did not run for this long (µs), until now: stream, order and clock offset outlive it.
-  void pause(std::int64_t duration, std::int64_t now)
-  {
-    paused_ += duration;
-    resumed_ = now;
-  }
+  /// The process itself did not run for this long (µs): it counts as no one's silence.
+  void pause(std::int64_t duration) { paused_ += duration; }
 
   bool following() const { return following_; }
-  /// Whether the stream has been silent for so long that the next sample starts anew.
+  /// Whether the present stream has been silent for so long that another one would be followed.
   bool silent(std::int64_t now) const;
   /// Samples refused as other_stream since the start.
   std::int64_t conflicts() const { return conflicts_; }
 
 private:
-  // the smallest delay of each half second
-  struct Window
+  struct Stream
   {
-    std::int64_t number = -1;
-    std::int64_t smallest_delay = 0;
+    std::int64_t id = 0;
+    std::int64_t last_utime = 0;
+    std::int64_t smallest_delay = 0; // as of `forgotten`
+    std::int64_t forgotten = 0;
+    std::int64_t last_accepted = 0; // running time
+    bool accepted = false;          // whether ever
   };
-  static constexpr std::int64_t kWindow = 500'000;
 
-  void remember_delay(std::int64_t delay, std::int64_t now);
-  std::int64_t smallest_delay(std::int64_t now) const;
+  Stream* remembered(std::int64_t id);
+  void leave(Stream* taken_up);
+  void forget(Stream& stream, std::int64_t now) const;
   std::int64_t running(std::int64_t now) const { return now - paused_; }
 
   std::int64_t max_age_;
   std::int64_t paused_ = 0;
-  std::optional<std::int64_t> resumed_; // when the last pause ended
-  bool following_ = false;
-  std::int64_t stream_id_ = 0;
-  std::int64_t last_utime_ = 0;
-  std::int64_t began_ = 0;         // when the stream started anew
-  std::int64_t last_accepted_ = 0; // running time
   std::int64_t conflicts_ = 0;
-  std::array<Window, 20> windows_;
+  bool following_ = false;
+  bool waiting_ = false; // a sample of the present stream waits for accept()
+  Stream present_;
+  std::array<Stream, kRemembered> left_;
+  std::size_t num_left_ = 0;
 };
 
 } // namespace torqued

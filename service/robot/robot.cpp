@@ -622,6 +622,12 @@ std::string_view name_of(Placement placement)
   return names[static_cast<std::size_t>(placement)];
 }
 
+bool is_force(const Robot& robot, const Actuator& actuator)
+{
+  const Link& on = robot.link(actuator.on);
+  return on.joint == JointKind::slide && on.parent == actuator.against;
+}
+
 Body body_of(const Link& link)
 {
   const Eigen::Vector2d com = rotate(link.heading, link.com);

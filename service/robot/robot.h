@@ -215,6 +215,9 @@ struct Robot
   bool is_root(const Foot& foot) const { return fixed_root() && foot.link == root(); }
 };
 
+/// Whether a motor is linear, along the slide between its two links: its torque is a force, N.
+bool is_force(const Robot& robot, const Actuator& actuator);
+
 /// A link as a body of the mechanism.
 Body body_of(const Link& link);
 
