@@ -457,7 +457,7 @@ TEST_CASE("requests for the equation of motion are answered, and none delays a d
     CHECK((reply.error == "") == (reply.request_id == 1));
 
   // a hundred at once: the desired state among them is answered in the first cycle, sixteen wait, the others are
-  // dropped
+  // dropped; where that cycle does not take all of them, there is room for one more
   bench.dynamics.clear();
   for (int i = 0; i < 50; ++i)
     bench.ask(100 + i);
@@ -469,7 +469,8 @@ TEST_CASE("requests for the equation of motion are answered, and none delays a d
   CHECK(bench.dynamics.size() == 1);
   for (int i = 0; i < 20; ++i)
     bench.settle();
-  CHECK(bench.dynamics.size() == 16);
+  CHECK(bench.dynamics.size() >= 16);
+  CHECK(bench.dynamics.size() <= 17);
   bench.ask(300);
   bench.settle();
   CHECK(bench.dynamics.back().request_id == 300);

@@ -25,10 +25,12 @@ constexpr std::int64_t kBusProof = 1'000'000;    // µs
 constexpr int kDeaf = 5;
 // Messages that LCM keeps for us, because a full queue would drop the newest.
 constexpr int kQueue = 10'000;
-// A cycle takes messages for so long, µs, so that a flood keeps neither the newest sample from its answer nor statuses
-// and watchdog from their turn. Of a backlog only the newest counts: that is taken for longer, while each sample
-// supersedes the one before, and whatever it holds if the process itself stood still.
+// A cycle takes messages for so long, µs, so that a flood keeps neither statuses nor watchdog from their turn, and a
+// sample from its answer for no longer than kLongestWait: it would often be superseded meanwhile. Of a backlog only the
+// newest counts: that is taken for longer, while each sample supersedes the one before, and whatever it holds if the
+// process itself stood still.
 constexpr std::int64_t kLongestIntake = 500;
+constexpr std::int64_t kLongestWait = 100;
 constexpr std::int64_t kLongestBacklog = 50'000;
 
 // What is logged besides refusals, which are logged by the numbers of their reasons, from 1. A repeated one is logged
@@ -170,7 +172,8 @@ bool LcmLoop::cycle(double timeout, int stop_fd)
       from = std::max(begin, resumed_);
     }
     const bool backlog = stood_still || status_.superseded > superseded;
-    takes = now - from < (backlog ? kLongestBacklog : kLongestIntake);
+    takes = backlog ? now - from < kLongestBacklog
+                    : now - from < kLongestIntake && (!pending_ || now - pending_arrival_ < kLongestWait);
     poll(fds.data(), fds.size(), 0);
   }
   answer_pending();
