@@ -170,6 +170,11 @@ Reply TorqueClient::ask(desired_state_t& desired, Clock::duration patience)
   return reply_ ? *std::exchange(reply_, std::nullopt) : Silence{desired.utime};
 }
 
+void TorqueClient::restart()
+{
+  stream_id_ = random_id();
+}
+
 void TorqueClient::on_reply(std::function<void(const Reply&)> callback, Clock::duration patience)
 {
   callback_ = std::move(callback);

@@ -88,6 +88,11 @@ public:
   int file_descriptor();
   /// This client's, random.
   std::int64_t stream_id() const { return stream_id_; }
+  /// Takes a new stream_id, because the daemon forgets neither order nor delay of a stream: for a client whose samples
+  /// are STALE for good, since its clock, or its way to the daemon, is slower than when the stream began. The daemon
+  /// answers OTHER_STREAM until the old one has been silent for five times its max_age. Silence is the reply to what is
+  /// still outstanding.
+  void restart();
 
 private:
   void hear(const lcm::ReceiveBuffer* buffer, const std::string& channel);

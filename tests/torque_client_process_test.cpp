@@ -177,6 +177,23 @@ TEST_CASE("what a callback throws comes out of handle, and the client goes on", 
   expect<torque_command_t>(pair.client.ask(desired, 2s));
 }
 
+TEST_CASE("a client that restarts is another stream, answered when the old one has been silent", "[torque_client_process]")
+{
+  Pair pair;
+  desired_state_t desired = pair.client.standing();
+  expect<torque_command_t>(pair.client.ask(desired, 2s));
+  const std::int64_t before = pair.client.stream_id();
+  pair.client.restart();
+  CHECK(pair.client.stream_id() != before);
+  // at once, unless this machine takes longer than the silence of 100 ms that gives the stream away
+  const Reply at_once = pair.client.ask(desired, 2s);
+  CHECK(desired.stream_id == pair.client.stream_id());
+  if (const auto* rejection = std::get_if<rejection_t>(&at_once))
+    CHECK(rejection->reason == rejection_t::OTHER_STREAM);
+  std::this_thread::sleep_for(150ms);
+  expect<torque_command_t>(pair.client.ask(desired, 2s));
+}
+
 TEST_CASE("a second client is told that another one is being answered", "[torque_client_process]")
 {
   Bench bench;
