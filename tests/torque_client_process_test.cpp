@@ -177,7 +177,8 @@ TEST_CASE("what a callback throws comes out of handle, and the client goes on", 
   expect<torque_command_t>(pair.client.ask(desired, 2s));
 }
 
-TEST_CASE("a client that restarts is another stream, answered when the old one has been silent", "[torque_client_process]")
+TEST_CASE("a client that restarts is another stream, answered when the old one has been silent",
+          "[torque_client_process]")
 {
   Pair pair;
   desired_state_t desired = pair.client.standing();
