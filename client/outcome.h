@@ -36,8 +36,8 @@ struct Changes
 };
 Changes find_changes(const std::vector<DesiredState>& states);
 
-/// Samples that were answered, and figures of their torques. Integrals are trapezia between neighbours of one stream that
-/// are both answered.
+/// Samples that were answered, and figures of their torques. Integrals are trapezia between neighbours of one stream
+/// that are both answered.
 struct Outcome
 {
   std::vector<double> jumps;           ///< by kind of change: the largest change of a torque across it, N m
