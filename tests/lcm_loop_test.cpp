@@ -404,13 +404,13 @@ TEST_CASE("a signal is heard in the middle of a backlog", "[lcm_loop]")
   CHECK(waited >= 5000);
 }
 
-TEST_CASE("of a backlog as long as the queue only the newest is answered", "[lcm_loop]")
+TEST_CASE("of a backlog of half a second only the newest is answered", "[lcm_loop]")
 {
   Bench bench;
-  for (std::int64_t utime = 1000; utime <= 5'000'000; utime += 1000)
+  for (std::int64_t utime = 1000; utime <= 500'000; utime += 1000)
     bench.send(bench.standing(utime));
   bench.settle();
-  CHECK(utimes(bench.commands) == std::vector<std::int64_t>{5'000'000});
+  CHECK(utimes(bench.commands) == std::vector<std::int64_t>{500'000});
   CHECK(bench.rejections.empty());
 }
 

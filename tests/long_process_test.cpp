@@ -327,7 +327,7 @@ TEST_CASE("a long run on a bad network keeps account, memory, descriptors, statu
   CHECK(last.received > sent / 2);
   CHECK(last.answered > sent / 10);
   CHECK(commands == last.answered);
-  CHECK(rejections == last.rejected);
+  CHECK(rejections <= last.rejected); // at most a thousand a second are published
   CHECK(gaps <= stops);
   CHECK(least_descriptors == most_descriptors);
 #ifdef ALLOCATION_GUARD                     // sanitizers keep what was freed
