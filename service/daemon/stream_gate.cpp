@@ -99,9 +99,9 @@ void StreamGate::leave(Stream* taken_up)
 // The smallest delay grows as fast as clocks may drift, but not by more than max_age / 2 at once.
 void StreamGate::forget(Stream& stream, std::int64_t now) const
 {
-  const std::int64_t drift = (now - stream.forgotten) / kDrift;
+  const std::int64_t drift = (now - stream.drift_until) / kDrift;
   const std::int64_t most = max_age_ / 2;
-  stream.forgotten = drift < most ? stream.forgotten + drift * kDrift : now;
+  stream.drift_until = drift < most ? stream.drift_until + drift * kDrift : now;
   if (__builtin_add_overflow(stream.smallest_delay, std::min(drift, most), &stream.smallest_delay))
     stream.smallest_delay = Limits::max();
 }

@@ -55,8 +55,8 @@ private:
   {
     std::int64_t id = 0;
     std::int64_t last_utime = 0;
-    std::int64_t smallest_delay = 0; // as of `forgotten`
-    std::int64_t forgotten = 0;
+    std::int64_t smallest_delay = 0; // with the drift of the clocks until drift_until
+    std::int64_t drift_until = 0;
     std::int64_t last_accepted = 0; // running time
     bool accepted = false;          // whether ever
   };
