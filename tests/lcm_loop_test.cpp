@@ -221,12 +221,13 @@ TEST_CASE("a sample that took longer than max_age is stale, unless every sample 
   {
     Config config;
     config.every_sample = every;
+    config.max_age = 0.2; // so much that the machine's own pauses are no stalls
     Bench bench(config);
     bench.send(bench.standing(1'000'000));
     bench.settle();
     for (int i = 0; i < 6; ++i)
     {
-      usleep(5000);
+      usleep(50'000);
       bench.loop().cycle(0.0);
     }
     bench.send(bench.standing(1'001'000));
@@ -357,11 +358,12 @@ TEST_CASE("a flood of what is no sample delays neither answers nor statuses", "[
   {
     return encode(bench.standing(5), buffer).first(50);
   };
-  // a sample is answered in its cycle, while thousands of messages wait behind it
-  bool ended_before_the_flood = false;
-  for (int attempt = 0; attempt < 5; ++attempt) // where the machine takes its time, that cycle sees a stall
   {
-    Bench bench;
+    // a sample is answered in its cycle, while thousands of messages wait behind it; sending them takes a while, in
+    // which this process does not look up, and which is no stall as long as max_age is longer
+    Config patient;
+    patient.max_age = 1.0;
+    Bench bench(patient);
     bench.send(bench.standing(1000));
     for (int i = 0; i < 9000; ++i)
       bench.send(junk(bench));
@@ -370,9 +372,8 @@ TEST_CASE("a flood of what is no sample delays neither answers nor statuses", "[
     while (bench.bus().handleTimeout(0) > 0)
       ++waited;
     CHECK(utimes(bench.commands) == std::vector<std::int64_t>{1000});
-    ended_before_the_flood |= waited > 5000;
+    CHECK(waited > 5000);
   }
-  CHECK(ended_before_the_flood);
 
   // more comes than is taken, and yet statuses do not wait for its end
   Bench bench;
@@ -456,21 +457,24 @@ TEST_CASE("requests for the equation of motion are answered, and none delays a d
   for (const dynamics_t& reply : bench.dynamics)
     CHECK((reply.error == "") == (reply.request_id == 1));
 
-  // a hundred at once: the desired state among them is answered in the first cycle, sixteen wait, the others are
-  // dropped; where that cycle does not take all of them, there is room for one more
+  // a hundred at once: the desired state among them waits for no answer to a request but one in each cycle that takes
+  // messages; sixteen requests wait, the others are dropped, but where more than one cycle takes them, there is room for
+  // as many more
   bench.dynamics.clear();
   for (int i = 0; i < 50; ++i)
     bench.ask(100 + i);
   bench.send(bench.standing(1000));
   for (int i = 50; i < 100; ++i)
     bench.ask(100 + i);
-  bench.settle();
+  std::size_t cycles = 0;
+  for (; cycles < 20 && bench.commands.empty(); ++cycles)
+    bench.settle();
   CHECK(utimes(bench.commands) == std::vector<std::int64_t>{1000});
-  CHECK(bench.dynamics.size() == 1);
-  for (int i = 0; i < 20; ++i)
+  CHECK(bench.dynamics.size() <= cycles);
+  for (int i = 0; i < 40; ++i)
     bench.settle();
   CHECK(bench.dynamics.size() >= 16);
-  CHECK(bench.dynamics.size() <= 17);
+  CHECK(bench.dynamics.size() < 16 + 2 * cycles);
   bench.ask(300);
   bench.settle();
   CHECK(bench.dynamics.back().request_id == 300);
