@@ -2,6 +2,7 @@
 #pragma once
 
 #include "client/daemons.h"
+#include "wire/bus_url.h"
 
 #include <optional>
 #include <string>
@@ -9,19 +10,6 @@
 
 namespace torqued
 {
-
-/// An LCM bus over UDP multicast.
-struct BusUrl
-{
-  std::string address = "239.255.76.67";
-  int port = 7667;
-  int ttl = 0;                    ///< 0: messages do not leave this machine
-  std::optional<int> buffer_size; ///< recv_buf_size, bytes, if it asks for one
-};
-
-/// Reads a URL as LCM does: udpm://[ADDRESS[:PORT]][?ttl=N&recv_buf_size=BYTES]; an empty one means LCM's default.
-/// Throws std::invalid_argument with what is wrong.
-BusUrl read_bus_url(const std::string& url);
 
 /// A network interface.
 struct Interface

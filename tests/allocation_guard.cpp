@@ -1,7 +1,8 @@
 // Preloaded into torqued, tells who allocates: between SIGUSR1 and SIGUSR2 it counts what the main thread asks of
 // malloc and its kin, by who asks — the nearest caller that is either the program itself or LCM; the C and C++
-// libraries, fmt and spdlog allocate for whoever called them. SIGUSR2 writes the counts, and where the program
-// allocated first, to the file that ALLOCATION_REPORT names.
+// libraries, fmt and spdlog allocate for whoever called them. SIGUSR2 writes the program's count, how many allocations
+// of all kinds were seen since the start, and where the program allocated first, to the file that ALLOCATION_REPORT
+// names.
 
 #include <algorithm>
 #include <array>
@@ -30,7 +31,7 @@ namespace
 constexpr int kFrames = 64;
 
 std::atomic<bool> counting{false};
-std::atomic<long> by_program{0}, by_lcm{0};
+std::atomic<long> by_program{0}, seen{0};
 std::array<void*, kFrames> first_frames;
 std::atomic<int> num_first_frames{0};
 thread_local bool inside = false;
@@ -45,6 +46,7 @@ bool is_program(const Dl_info& module)
 
 void note()
 {
+  ++seen;
   if (!counting || inside)
     return;
   inside = true;
@@ -56,10 +58,7 @@ void note()
     if (dladdr(frames[static_cast<std::size_t>(i)], &module) == 0)
       continue;
     if (std::strstr(module.dli_fname, "/liblcm") != nullptr)
-    {
-      ++by_lcm;
       break;
-    }
     if (is_program(module))
     {
       if (gettid() == getpid() && by_program++ == 0)
@@ -78,7 +77,7 @@ void report(int)
   counting = false;
   const char* path = std::getenv("ALLOCATION_REPORT");
   const int file = open(path == nullptr ? "/dev/stderr" : path, O_WRONLY | O_CREAT | O_TRUNC, 0600);
-  dprintf(file, "program %ld lcm %ld\n", by_program.load(), by_lcm.load());
+  dprintf(file, "program %ld seen %ld\n", by_program.load(), seen.load());
   backtrace_symbols_fd(first_frames.data(), num_first_frames, file);
   dprintf(file, "end\n");
   close(file);

@@ -1,6 +1,7 @@
 #include "catch.h"
 
 #include "daemon/lcm_loop.h"
+#include "daemon/lcm_receiver.h"
 
 #include <chrono>
 #include <cstring>
@@ -19,12 +20,22 @@ using namespace torqued;
 namespace
 {
 
+// LCM's, with losses as a test has them.
+class LossyReceiver : public LcmReceiver
+{
+public:
+  using LcmReceiver::LcmReceiver;
+  std::int64_t most_lost() const override { return lost; }
+
+  std::int64_t lost = 0;
+};
+
 // A loop and a listener on one bus inside this process.
 class Bench
 {
 public:
   explicit Bench(const Config& config = {})
-      : channels_(config.prefix), log_("test", sink_), loop_(bus_, robot_, config, log_, surroundings())
+      : channels_(config.prefix), log_("test", sink_), loop_(bus_, receiver_, robot_, config, log_, surroundings())
   {
     for (const std::string& channel :
          {channels_.command, channels_.rejected, channels_.status, channels_.model, channels_.dynamics})
@@ -87,6 +98,7 @@ public:
   int healthy = 0;
   std::string log() const { return lines_.str(); }
   lcm::LCM& bus() { return bus_; }
+  LossyReceiver& receiver() { return receiver_; }
 
 private:
   LcmLoop::Surroundings surroundings()
@@ -131,6 +143,7 @@ private:
   Channels channels_;
   Robot robot_ = load_robot("ck");
   lcm::LCM bus_{"memq://"};
+  LossyReceiver receiver_{bus_};
   std::ostringstream lines_;
   std::shared_ptr<spdlog::sinks::sink> sink_ = std::make_shared<spdlog::sinks::ostream_sink_st>(lines_);
   spdlog::logger log_;
@@ -211,7 +224,7 @@ TEST_CASE("newest wins: of the samples that wait only the last good one is answe
   CHECK(status.last_reason == rejection_t::OTHER_STREAM);
   CHECK(status.state == status_t::RUNNING);
   CHECK(status.dropped_logs == 5);
-  CHECK(status.dropped_upper_bound == -1);
+  CHECK(status.dropped_upper_bound == 0);
   CHECK(status.input_age_us >= 100'000);
 }
 
@@ -321,6 +334,29 @@ TEST_CASE("a sample that waited through an own stall is as old as the stall", "[
     REQUIRE(bench.rejections.size() == (others ? 2 : 1));
     CHECK(bench.rejections.back().reason == rejection_t::STALE);
   }
+}
+
+TEST_CASE("while messages are lost no other stream takes over, and the status says how many", "[lcm_loop]")
+{
+  Bench bench;
+  bench.send(bench.standing(1000));
+  bench.settle();
+  const auto try_other = [&](bool loses)
+  {
+    for (int i = 0; i < 30; ++i)
+    {
+      usleep(5000);
+      bench.receiver().lost += loses ? 1 : 0;
+      bench.send(bench.standing(1000 + i, 9));
+      bench.settle();
+    }
+  };
+  try_other(true);
+  CHECK(bench.commands.size() == 1);
+  CHECK(bench.rejections.size() == 30);
+  CHECK(bench.statuses.back().dropped_upper_bound > 10);
+  try_other(false);
+  CHECK(bench.commands.size() > 1);
 }
 
 TEST_CASE("at most a thousand rejections a second are published, and all are counted", "[lcm_loop]")
@@ -458,8 +494,8 @@ TEST_CASE("requests for the equation of motion are answered, and none delays a d
     CHECK((reply.error == "") == (reply.request_id == 1));
 
   // a hundred at once: the desired state among them waits for no answer to a request but one in each cycle that takes
-  // messages; sixteen requests wait, the others are dropped, but where more than one cycle takes them, there is room for
-  // as many more
+  // messages; sixteen requests wait, the others are dropped, but where more than one cycle takes them, there is room
+  // for as many more
   bench.dynamics.clear();
   for (int i = 0; i < 50; ++i)
     bench.ask(100 + i);

@@ -63,8 +63,8 @@ private:
 // This machine, number 1, at the bridge between the others.
 void join_wires()
 {
-  shell("ip link add wires type bridge mcast_snooping 0 && ip address add 10.76.67.1/24 dev wires && "
-        "ip link set wires up && ip route replace 224.0.0.0/4 dev wires");
+  shell("ip link show wires > /dev/null 2>&1 || { ip link add wires type bridge mcast_snooping 0 && "
+        "ip address add 10.76.67.1/24 dev wires && ip link set wires up && ip route replace 224.0.0.0/4 dev wires; }");
   setenv("LCM_DEFAULT_URL", kBus, 1);
 }
 
@@ -117,6 +117,34 @@ TEST_CASE("daemon, client and logger on three machines: all is answered, and the
   const std::string human_csv = read_file(folder.file("human.csv"));
   CHECK(std::count(human_csv.begin(), human_csv.end(), '\n') >= 447);
   bench.check_account();
+}
+
+TEST_CASE("a daemon whose bus has ttl=0 hears no other machine, though they send to its group and by its wire",
+          "[machines_process]")
+{
+  join_wires();
+  const TemporaryFolder folder;
+  const Machine other(5);
+  Process eval({TORQUECTL, "eval", TRAJECTORIES "/subject01-walk/walk.csv", "-o", folder.file("walk.lcm")},
+               folder.file("eval"));
+  CAPTURE(read_file(folder.file("eval")));
+  REQUIRE(eval.wait() == 0);
+  for (const bool alone : {true, false})
+  {
+    CAPTURE(alone);
+    Bench bench({"--lcm-url", fmt::format("udpm://239.255.76.67:7667?ttl={}", alone ? 0 : 1), "--every-sample",
+                 "--robot", "human-subject01"});
+    REQUIRE(bench.model);
+    Process player(other.there({"lcm-logplayer", folder.file("walk.lcm")}), folder.file("player"));
+    CHECK(player.wait() == 0);
+    const std::int64_t received = bench.settled_status().received;
+    CAPTURE(received, read_file(folder.file("player")));
+    CHECK((alone ? received == 0 : received > 400));
+    bench.hear_for(150ms);
+    bench.send_one(bench.standing());
+    CHECK(bench.settled_status().received == received + 1);
+    CHECK(bench.statuses.back().answered > 0);
+  }
 }
 
 } // namespace machines_process_test

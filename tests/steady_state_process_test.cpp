@@ -78,11 +78,11 @@ TEST_CASE("once it has started, nothing a client sends makes torqued allocate", 
           }));
       CAPTURE(robot, mode, report);
       std::istringstream words(report);
-      std::string program, lcm;
-      long by_program = -1, by_lcm = -1;
-      words >> program >> by_program >> lcm >> by_lcm;
+      std::string program, all;
+      long by_program = -1, seen = -1;
+      words >> program >> by_program >> all >> seen;
       CHECK(by_program == 0);
-      CHECK(by_lcm > 10); // the guard sees what there is to see
+      CHECK(seen > 100); // by the guard, while torqued started
     }
 }
 
@@ -107,9 +107,9 @@ TEST_CASE("between a sample and its command torqued does nothing but receive, se
   const std::string calls = read_file(path).substr(begin);
 
   // one line for each call, "PID name(arguments…"; a call that another thread's interrupts has two
-  const std::set<std::string> allowed{"poll",  "select",  "pselect6", "read",  "recvmsg",       "recvfrom",
-                                      "write", "sendmsg", "sendto",   "futex", "clock_gettime", "restart_syscall"};
-  const std::regex call(R"(^\d+ +(?:<\.\.\. )?(\w+)(?:\((\d*)|))");
+  const std::set<std::string> allowed{"poll",  "recvmmsg",      "sendmsg",        "sendto",
+                                      "futex", "clock_gettime", "restart_syscall"};
+  const std::regex call(R"(^\d+ +(?:<\.\.\. )?(\w+))");
   std::istringstream lines(calls);
   std::string line;
   std::getline(lines, line); // the rest of one that was cut
@@ -121,8 +121,6 @@ TEST_CASE("between a sample and its command torqued does nothing but receive, se
       continue;
     CAPTURE(line);
     CHECK(allowed.count(match[1]) == 1);
-    if (match[1] == "write" && match[2].length() > 0)
-      CHECK(std::stoi(match[2]) > 2); // wakes the loop; not a log
     sent += match[1] == "sendmsg" || match[1] == "sendto" ? 1 : 0;
   }
   CHECK(sent >= 300);

@@ -54,6 +54,22 @@ TEST_CASE("a second stream is refused and counted until the first has been silen
   CHECK(pass(gate, 7, 101'000, 101'000) == "OTHER_STREAM");
 }
 
+TEST_CASE("where messages are lost, a stream's silence may be their loss: no other one is followed", "[stream_gate]")
+{
+  StreamGate gate(kMaxAge);
+  CHECK(pass(gate, 7, 1000, 0) == "");
+  gate.note_loss(90'000);
+  CHECK(gate.silent(150'000)); // nothing came of it, for whatever reason
+  CHECK(pass(gate, 8, 1000, 150'000) == "OTHER_STREAM");
+  CHECK(pass(gate, 8, 2000, 190'000) == "OTHER_STREAM");
+  CHECK(pass(gate, 8, 3000, 190'001) == "");
+  // nor is the time in which the process stood still
+  gate.note_loss(200'000);
+  gate.pause(1'000'000);
+  CHECK(pass(gate, 7, 1'301'000, 1'300'000) == "OTHER_STREAM");
+  CHECK(pass(gate, 7, 1'301'001, 1'300'001) == "");
+}
+
 TEST_CASE("age is measured against the freshest sample, whatever the sender's clock shows", "[stream_gate]")
 {
   for (const std::int64_t epoch : {std::int64_t{0}, std::int64_t{1'700'000'000} * kSecond, -5 * kSecond})

@@ -5,6 +5,7 @@
 #include "client/lcm_log.h"
 #include "client/trajectory.h"
 #include "daemon/lcm_loop.h"
+#include "daemon/lcm_receiver.h"
 #include "robot/robot_files.h"
 #include "run_torquectl.h"
 
@@ -78,7 +79,7 @@ Trajectory read_walk(const Robot& robot)
 class Daemon
 {
 public:
-  explicit Daemon(const Robot& robot) : loop_(bus_, robot, every_sample(), log_, {})
+  explicit Daemon(const Robot& robot) : loop_(bus_, receiver_, robot, every_sample(), log_, {})
   {
     bus_.subscribeFunction("TORQUED_COMMAND", &Daemon::hear, this);
     loop_.listen();
@@ -111,6 +112,7 @@ private:
   }
 
   lcm::LCM bus_{"memq://"};
+  LcmReceiver receiver_{bus_};
   spdlog::logger log_{"test"};
   LcmLoop loop_;
 };

@@ -171,7 +171,7 @@ void answer_dynamics(const Robot& robot, const std::vector<BaseParameter>& param
   if (const Refusal* refusal = std::get_if<Refusal>(&motion))
     return refuse_request(reply, robot, wanted.request_id, refusal->detail());
   reply.request_id = wanted.request_id;
-  static const std::vector<BaseParameter> none;
+  const std::vector<BaseParameter> none;
   describe_motion(reply, robot, wanted.want_regressor ? parameters : none, std::get<Motion>(motion),
                   wanted.state.support, wanted.coordinates,
                   wanted.want_reduced ? std::optional(EliminationMethod::partitioning) : std::nullopt);

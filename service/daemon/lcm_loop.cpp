@@ -23,8 +23,8 @@ constexpr std::int64_t kModelPeriod = 2'000'000; // µs
 constexpr std::int64_t kBusProof = 1'000'000;    // µs
 // When so many of our own statuses in a row have not come back, the bus is broken.
 constexpr int kDeaf = 5;
-// Messages that LCM keeps for us, because a full queue would drop the newest.
-constexpr int kQueue = 10'000;
+// After so many messages a cycle looks whether it shall end.
+constexpr int kBetweenLooks = 32;
 // A cycle takes messages for so long, µs, so that a flood keeps neither statuses nor watchdog from their turn, and a
 // sample from its answer for no longer than kLongestWait: it would often be superseded meanwhile. Of a backlog only the
 // newest counts: that is taken for longer, while each sample supersedes the one before, and whatever it holds if the
@@ -62,16 +62,11 @@ std::int64_t max_age_us(const Config& config)
   return std::llround(1e6 * config.max_age);
 }
 
-Bytes bytes_of(const lcm_recv_buf_t* buffer)
-{
-  return received_bytes(buffer->data, buffer->data_size);
-}
-
 } // namespace
 
-LcmLoop::LcmLoop(lcm::LCM& bus, const Robot& robot, const Config& config, spdlog::logger& log,
+LcmLoop::LcmLoop(lcm::LCM& bus, Receiver& receiver, const Robot& robot, const Config& config, spdlog::logger& log,
                  Surroundings surroundings)
-    : bus_(bus), robot_(robot), config_(config), log_(log), surroundings_(std::move(surroundings)),
+    : bus_(bus), receiver_(receiver), robot_(robot), config_(config), log_(log), surroundings_(std::move(surroundings)),
       channels_(config.prefix), parameters_(base_parameters(robot)), gate_(config.max_age), command_(), rejection_(),
       status_(), dynamics_(), start_(monotonic_us()), last_awake_(start_), resumed_(start_)
 {
@@ -80,7 +75,6 @@ LcmLoop::LcmLoop(lcm::LCM& bus, const Robot& robot, const Config& config, spdlog
   status_.instance_id = random_id();
   status_.model_id = robot_.model_id;
   status_.settings_id = id;
-  status_.dropped_upper_bound = -1; // not known
   status_.version = TORQUED_VERSION;
   model_ = model_info(robot_, status_.instance_id, id, to_toml(config_));
   // all memory that messages can ever ask for
@@ -91,43 +85,26 @@ LcmLoop::LcmLoop(lcm::LCM& bus, const Robot& robot, const Config& config, spdlog
   encode(dynamics_, buffer_);
   encode(model_, buffer_);
 
-  constexpr int statuses = 30; // of our own and of other daemons
-  subscribe(channels_.status, &LcmLoop::hear_status, statuses);
+  receiver_.subscribe(channels_.status, [this](Bytes message) { on_status(message); });
 }
 
 bool LcmLoop::listen()
 {
   last_awake_ = monotonic_us();
-  return subscribe(channels_.desired, &LcmLoop::hear_desired, kQueue) &&
-         subscribe(channels_.dynamics_request, &LcmLoop::hear_request, static_cast<int>(requests_.ring.size()));
-}
-
-// By LCM's C interface: the one for C++ makes a std::string of every channel's name. LCM takes channels for regular
-// expressions; ours hold nothing that would not stand for itself (set_prefix).
-bool LcmLoop::subscribe(const std::string& channel, lcm_msg_handler_t handler, int queue)
-{
-  lcm_subscription_t* subscription = lcm_subscribe(bus_.getUnderlyingLCM(), channel.c_str(), handler, this);
-  if (subscription == nullptr)
-    return false;
-  lcm_subscription_set_queue_capacity(subscription, queue);
-  subscriptions_.push_back(subscription);
-  return true;
-}
-
-LcmLoop::~LcmLoop()
-{
-  for (lcm_subscription_t* subscription : subscriptions_)
-    lcm_unsubscribe(bus_.getUnderlyingLCM(), subscription);
+  return receiver_.subscribe(channels_.desired, [this](Bytes message) { on_desired(message); }) &&
+         receiver_.subscribe(channels_.dynamics_request, [this](Bytes message) { on_request(message); });
 }
 
 bool LcmLoop::prove_bus(int stop_fd)
 {
   const std::int64_t until = monotonic_us() + kBusProof;
   publish_status(status_t::WAITING);
-  std::array<pollfd, 2> fds{{{bus_.getFileno(), POLLIN, 0}, {stop_fd, POLLIN, 0}}};
+  std::array<pollfd, 2> fds{{{receiver_.fd(), POLLIN, 0}, {stop_fd, POLLIN, 0}}};
   while (statuses_away_ > 0 && (fds[1].revents & POLLIN) == 0 && monotonic_us() < until)
-    if (poll(fds.data(), fds.size(), 10) > 0 && (fds[0].revents & POLLIN) != 0)
-      bus_.handle();
+  {
+    poll(fds.data(), fds.size(), 10);
+    receiver_.take();
+  }
   return statuses_away_ == 0;
 }
 
@@ -145,24 +122,20 @@ bool LcmLoop::cycle(double timeout, int stop_fd)
   const std::int64_t before = monotonic_us();
   notice_own_stall(before);
   const double until_status = 1e-6 * static_cast<double>(std::max<std::int64_t>(next_status_ - before, 0));
-  const double wait = requests_.count == 0 ? std::min({timeout, config_.max_age, until_status}) : 0.0;
+  const bool idle = requests_.count == 0 && !receiver_.holds();
+  const double wait = idle ? std::min({timeout, config_.max_age, until_status}) : 0.0;
   const int wait_ms = static_cast<int>(std::ceil(1e3 * wait));
-  std::array<pollfd, 2> fds{{{bus_.getFileno(), POLLIN, 0}, {stop_fd, POLLIN, 0}}};
+  std::array<pollfd, 2> fds{{{receiver_.fd(), POLLIN, 0}, {stop_fd, POLLIN, 0}}};
   poll(fds.data(), fds.size(), wait_ms);
   const std::int64_t begin = monotonic_us();
   notice_own_stall(begin, std::int64_t{1000} * wait_ms);
 
-  // by poll() alone: handleTimeout() would ask once more, by select(), before each message
-  const auto ends = [&]
-  {
-    return (fds[1].revents & POLLIN) != 0;
-  };
   bool takes = true, stood_still = false;
   std::int64_t from = begin;
-  while (takes && !ends() && (fds[0].revents & POLLIN) != 0)
+  for (int taken = 1; takes && (fds[1].revents & POLLIN) == 0; ++taken)
   {
     const std::int64_t superseded = status_.superseded;
-    if (bus_.handle() != 0)
+    if (!receiver_.take())
       break;
     const std::int64_t now = monotonic_us();
     notice_own_stall(now);
@@ -174,13 +147,14 @@ bool LcmLoop::cycle(double timeout, int stop_fd)
     const bool backlog = stood_still || status_.superseded > superseded;
     takes = backlog ? now - from < kLongestBacklog
                     : now - from < kLongestIntake && (!pending_ || now - pending_arrival_ < kLongestWait);
-    poll(fds.data(), fds.size(), 0);
+    if (taken % kBetweenLooks == 0)
+      poll(&fds[1], 1, 0);
   }
   answer_pending();
   answer_oldest_request();
   note_deafness();
   publish_status_and_model_when_due();
-  return ends();
+  return (fds[1].revents & POLLIN) != 0;
 }
 
 // Notes whether this process itself stood still since it last looked, beyond the time (µs) it meant to sleep.
@@ -194,39 +168,22 @@ void LcmLoop::notice_own_stall(std::int64_t now, std::int64_t asleep)
   resumed_ = now;
 }
 
-void LcmLoop::hear_desired(const lcm_recv_buf_t* buffer, const char* channel, void* self) noexcept
+void LcmLoop::on_desired(Bytes message) noexcept
+try
 {
-  LcmLoop* const loop = static_cast<LcmLoop*>(self);
-  try
-  {
-    if (channel == loop->channels_.desired)
-      loop->on_desired(bytes_of(buffer));
-  }
-  catch (const std::exception& error)
-  {
-    loop->log_.critical("a desired state was lost: {}", error.what());
-  }
+  dispose_of(message);
+}
+catch (const std::exception& error)
+{
+  log_.critical("a desired state was lost: {}", error.what());
 }
 
-void LcmLoop::hear_request(const lcm_recv_buf_t* buffer, const char* channel, void* self) noexcept
-{
-  LcmLoop* const loop = static_cast<LcmLoop*>(self);
-  if (channel == loop->channels_.dynamics_request)
-    loop->on_request(bytes_of(buffer));
-}
-
-void LcmLoop::hear_status(const lcm_recv_buf_t* buffer, const char* channel, void* self) noexcept
-{
-  LcmLoop* const loop = static_cast<LcmLoop*>(self);
-  if (channel == loop->channels_.status)
-    loop->on_status(bytes_of(buffer));
-}
-
-void LcmLoop::on_desired(Bytes message)
+void LcmLoop::dispose_of(Bytes message)
 {
   const std::int64_t arrival = monotonic_us();
   notice_own_stall(arrival);
   last_arrival_ = arrival;
+  note_losses(arrival);
   const Result<DesiredState> decoded = decode_desired_state(message, robot_);
   if (const Refusal* refusal = std::get_if<Refusal>(&decoded))
     return reject(read_sender(message), *refusal);
@@ -244,6 +201,15 @@ void LcmLoop::on_desired(Bytes message)
   }
   pending_ = desired;
   pending_arrival_ = arrival;
+}
+
+// Where messages found no room, the present stream's may have been among them.
+void LcmLoop::note_losses(std::int64_t now)
+{
+  const std::int64_t lost = receiver_.most_lost();
+  if (lost > status_.dropped_upper_bound && lost > 0)
+    gate_.note_loss(now);
+  status_.dropped_upper_bound = lost;
 }
 
 void LcmLoop::answer_pending()
@@ -402,6 +368,7 @@ void LcmLoop::publish_status(std::int8_t state)
   status_.uptime_us = now - start_;
   status_.state = state;
   status_.conflicts = gate_.conflicts();
+  note_losses(now);
   status_.dropped_logs = surroundings_.dropped_logs();
   status_.input_age_us = last_arrival_ < 0 ? -1 : now - last_arrival_;
   status_.latency_us_p50 = latency.p50;

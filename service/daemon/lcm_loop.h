@@ -4,6 +4,7 @@
 #include "daemon/answer_dynamics.h"
 #include "daemon/config.h"
 #include "daemon/latency.h"
+#include "daemon/receiver.h"
 #include "daemon/stream_gate.h"
 
 #include <lcm/lcm-cpp.hpp>
@@ -45,9 +46,10 @@ public:
     };
   };
 
-  /// The bus, the robot and the logger must outlive the loop.
-  LcmLoop(lcm::LCM& bus, const Robot& robot, const Config& config, spdlog::logger& log, Surroundings surroundings);
-  ~LcmLoop();
+  /// Publishes on the bus and hears what the receiver brings from it. Both, the robot and the logger must outlive the
+  /// loop.
+  LcmLoop(lcm::LCM& bus, Receiver& receiver, const Robot& robot, const Config& config, spdlog::logger& log,
+          Surroundings surroundings);
   LcmLoop(const LcmLoop&) = delete;
   LcmLoop& operator=(const LcmLoop&) = delete;
 
@@ -66,13 +68,8 @@ public:
   void run(int stop_fd);
 
 private:
-  // what LCM calls; they let nothing be thrown into it
-  static void hear_desired(const lcm_recv_buf_t* buffer, const char* channel, void* loop) noexcept;
-  static void hear_status(const lcm_recv_buf_t* buffer, const char* channel, void* loop) noexcept;
-  static void hear_request(const lcm_recv_buf_t* buffer, const char* channel, void* loop) noexcept;
-
-  bool subscribe(const std::string& channel, lcm_msg_handler_t handler, int queue);
-  void on_desired(Bytes message);
+  void on_desired(Bytes message) noexcept;
+  void dispose_of(Bytes message);
   void on_request(Bytes message);
   void on_status(Bytes message);
 
@@ -83,6 +80,7 @@ private:
   void publish_status(std::int8_t state);
   void publish_status_and_model_when_due();
   void note_deafness();
+  void note_losses(std::int64_t now);
   std::int8_t state(std::int64_t now) const;
   void notice_own_stall(std::int64_t now, std::int64_t asleep = 0);
   bool may_publish_rejection();
@@ -91,13 +89,13 @@ private:
   template <typename Message> void publish(const std::string& channel, const Message& message);
 
   lcm::LCM& bus_;
+  Receiver& receiver_;
   const Robot& robot_;
   const Config config_;
   spdlog::logger& log_;
   const Surroundings surroundings_;
   const Channels channels_;
   const std::vector<BaseParameter> parameters_;
-  std::vector<lcm_subscription_t*> subscriptions_;
 
   // Requests for the equation of motion that wait: one is answered per cycle, after the desired states.
   struct Requests

@@ -1,5 +1,7 @@
 #include "daemon/config.h"
 #include "daemon/lcm_loop.h"
+#include "daemon/lcm_receiver.h"
+#include "daemon/multicast_receiver.h"
 #include "robot/strict_toml.h"
 #include "wire/messages.h"
 
@@ -11,6 +13,7 @@
 #include <cstdlib>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
+#include <memory>
 #include <optional>
 #include <poll.h>
 #include <spdlog/async.h>
@@ -145,6 +148,20 @@ std::string without_torque_limit(const Robot& robot)
                                                                   : fmt::format("{}", fmt::join(names, ", "));
 }
 
+// Multicast is heard by a socket of our own, every other kind of bus by LCM's library.
+std::unique_ptr<Receiver> open_receiver(lcm::LCM& bus, const std::string& lcm_url)
+try
+{
+  const std::string url = effective_bus_url(lcm_url);
+  if (url.empty() || url.starts_with("udpm://"))
+    return std::make_unique<MulticastReceiver>(read_bus_url(url));
+  return std::make_unique<LcmReceiver>(bus);
+}
+catch (const std::exception& error)
+{
+  throw Exit{EX_UNAVAILABLE, fmt::format("the LCM bus cannot be heard: {}; {}", error.what(), bus_trouble(lcm_url))};
+}
+
 int serve(const Config& config)
 {
   if (config.robot.empty())
@@ -161,8 +178,9 @@ int serve(const Config& config)
   lcm::LCM bus(config.lcm_url);
   if (!bus.good())
     throw Exit{EX_UNAVAILABLE, fmt::format("the LCM bus cannot be opened: {}", bus_trouble(config.lcm_url))};
+  const std::unique_ptr<Receiver> receiver = open_receiver(bus, config.lcm_url);
   LcmLoop loop(
-      bus, robot, config, *log,
+      bus, *receiver, robot, config, *log,
       {.dropped_logs = [pool = spdlog::thread_pool()] { return static_cast<std::int64_t>(pool->overrun_counter()); },
        .on_healthy =
            []

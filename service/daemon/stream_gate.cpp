@@ -30,10 +30,15 @@ bool StreamGate::silent(std::int64_t now) const
   return !waiting_ && running(now) - present_.last_accepted > 5 * max_age_;
 }
 
+bool StreamGate::gives_way(std::int64_t now) const
+{
+  return silent(now) && running(now) - lost_until_ > 5 * max_age_;
+}
+
 std::optional<Refusal> StreamGate::arrive(const Sender& sender, std::int64_t now)
 {
   const bool is_present = following_ && sender.stream_id == present_.id;
-  if (following_ && !is_present && !silent(now))
+  if (following_ && !is_present && !gives_way(now))
   {
     ++conflicts_;
     return Refusal(Reason::other_stream, "stream_id is {}; stream {} is followed until it has been silent for {} us",

@@ -7,6 +7,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <optional>
 
 namespace torqued
@@ -14,10 +15,10 @@ namespace torqued
 
 /// Follows one stream of desired states. Times are µs of a monotonic clock, which the caller reads.
 ///
-/// A stream is followed until it has been silent, without an accepted sample, for 5 × max_age while the process ran; a
-/// sample that waits for its answer keeps its stream. Only then is another stream followed. Order and clock offset
-/// belong to a stream_id, for good: a stream that was silent, or left, goes on where it was. Those of the last
-/// kRemembered streams that were left are kept; a stream counts once one of its samples was accepted.
+/// A stream is followed until it has been silent, without an accepted sample, for 5 × max_age in which the process ran
+/// and no message was lost; a sample that waits for its answer keeps its stream. Only then is another stream followed.
+/// Order and clock offset belong to a stream_id, for good: a stream that was silent, or left, goes on where it was.
+/// Those of the last kRemembered streams that were left are kept; a stream counts once one of its samples was accepted.
 ///
 /// Age: the sender's clock and ours need not agree. A sample's delay is our arrival time minus its utime; its age is
 /// its delay minus the smallest delay of its stream so far, which is forgotten no faster than clocks drift: kDrift of
@@ -44,8 +45,11 @@ public:
   /// The process itself did not run for this long (µs): it counts as no one's silence.
   void pause(std::int64_t duration) { paused_ += duration; }
 
+  /// Messages of any stream may have been lost until now: it counts as no one's silence until now.
+  void note_loss(std::int64_t now) { lost_until_ = running(now); }
+
   bool following() const { return following_; }
-  /// Whether the present stream has been silent for so long that another one would be followed.
+  /// Whether the present stream has been silent for so long that another one would be followed, were no message lost.
   bool silent(std::int64_t now) const;
   /// Samples refused as other_stream since the start.
   std::int64_t conflicts() const { return conflicts_; }
@@ -61,6 +65,7 @@ private:
     bool accepted = false;          // whether ever
   };
 
+  bool gives_way(std::int64_t now) const;
   Stream* remembered(std::int64_t id);
   void leave(Stream* taken_up);
   void forget(Stream& stream, std::int64_t now) const;
@@ -68,6 +73,7 @@ private:
 
   std::int64_t max_age_;
   std::int64_t paused_ = 0;
+  std::int64_t lost_until_ = std::numeric_limits<std::int64_t>::min() / 2;
   std::int64_t conflicts_ = 0;
   bool following_ = false;
   bool waiting_ = false; // a sample of the present stream waits for accept()
