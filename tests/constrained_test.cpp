@@ -440,7 +440,7 @@ TEST_CASE("windows that give way alone lack no more than they must, and then the
 }
 
 TEST_CASE("where no condition is active constrained is procedure 1, else it costs more, and with windows still more",
-          "[constrained]")
+          "[constrained][slow]")
 {
   oracle::Random random(603);
   int inactive = 0, active = 0;

@@ -207,7 +207,8 @@ TEST_CASE("two contact points at one place count as one: an imbalance is refused
   }
 }
 
-TEST_CASE("with every method the equation of motion holds and the ground carries the same in all", "[double_support]")
+TEST_CASE("with every method the equation of motion holds and the ground carries the same in all",
+          "[double_support][slow]")
 {
   oracle::Random random(404);
   for_double_supports(random,
@@ -344,7 +345,7 @@ TEST_CASE("on two soles pseudo-inverse depends on which foot is fixed, and least
 }
 
 TEST_CASE("procedure 1 is the least torque of all that serve the motion, for every share and either leg first",
-          "[double_support]")
+          "[double_support][slow]")
 {
   oracle::Random random(408);
   for_double_supports(

@@ -202,7 +202,7 @@ TEST_CASE("J̇ is the derivative of J, and J̇ v what it does to v", "[eliminati
           });
 }
 
-TEST_CASE("F spans what the contacts leave free, by every method the same", "[elimination]")
+TEST_CASE("F spans what the contacts leave free, by every method the same", "[elimination][slow]")
 {
   for_all(2 * kCases, // as many of ck as of rk
           [](const Moving& now, oracle::Random&)
@@ -215,7 +215,7 @@ TEST_CASE("F spans what the contacts leave free, by every method the same", "[el
           });
 }
 
-TEST_CASE("Ḟ is the derivative of an F that goes on smoothly", "[elimination]")
+TEST_CASE("Ḟ is the derivative of an F that goes on smoothly", "[elimination][slow]")
 {
   for_all(kCases / 10,
           [](const Moving& now, oracle::Random&)
@@ -240,7 +240,7 @@ TEST_CASE("Ḟ is the derivative of an F that goes on smoothly", "[elimination]"
           });
 }
 
-TEST_CASE("the reduced mass is positive definite; its rate less twice the reduced C is skew", "[elimination]")
+TEST_CASE("the reduced mass is positive definite; its rate less twice the reduced C is skew", "[elimination][slow]")
 {
   double printed = 0.0;
   for_all(kCases,
@@ -268,7 +268,8 @@ TEST_CASE("the reduced mass is positive definite; its rate less twice the reduce
   CHECK(printed > 1.0);
 }
 
-TEST_CASE("accelerations and multipliers are those of the whole system, and Udwadia and Kalaba's", "[elimination]")
+TEST_CASE("accelerations and multipliers are those of the whole system, and Udwadia and Kalaba's",
+          "[elimination][slow]")
 {
   for_all(2 * kCases,
           [](const Moving& now, oracle::Random& random) { check_answers(now, random_torque(now.robot, random)); });

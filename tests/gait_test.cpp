@@ -270,7 +270,7 @@ TEST_CASE("with rolling knees of no radius the walk is that of pin knees", "[gai
 }
 
 TEST_CASE("on random walks no torque jumps with zmp-transition, nor with constrained, which keeps all conditions",
-          "[gait]")
+          "[gait][slow]")
 {
   oracle::Random random(704);
   int walks = 0, out_of_reach = 0, tipping = 0, changes = 0, jumps = 0, relaxed = 0, samples = 0;
@@ -576,7 +576,8 @@ TEST_CASE("flat-footed, both soles are on the ground in double support, and a wa
     }
 }
 
-TEST_CASE("over a grid, walks are refused with a reason, or constrained keeps all conditions and limits", "[gait]")
+TEST_CASE("over a grid, walks are refused with a reason, or constrained keeps all conditions and limits",
+          "[gait][slow]")
 {
   const TemporaryFolder folder;
   const std::string walk = folder.file("walk.csv"), answers = folder.file("answers.csv");

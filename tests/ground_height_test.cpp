@@ -78,7 +78,7 @@ void check_off_ground(const Robot& robot, const DesiredState& desired, const std
 } // namespace
 
 TEST_CASE("no method's torques depend on where the world's zero is; the zero-moment point stays on the ground",
-          "[ground_height]")
+          "[ground_height][slow]")
 {
   AnswerSettings plain, other;
   other.methods.linear_transition.leading_cop = 0.3;

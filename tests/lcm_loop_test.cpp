@@ -359,7 +359,7 @@ TEST_CASE("while messages are lost no other stream takes over, and the status sa
   CHECK(bench.commands.size() > 1);
 }
 
-TEST_CASE("at most a thousand rejections a second are published, and all are counted", "[lcm_loop]")
+TEST_CASE("at most a thousand rejections a second are published, and all are counted", "[lcm_loop][slow]")
 {
   Bench bench;
   desired_state_t bad = bench.standing(10);
@@ -387,7 +387,7 @@ TEST_CASE("at most a thousand rejections a second are published, and all are cou
   CHECK(bench.statuses.back().received == 3010);
 }
 
-TEST_CASE("a flood of what is no sample delays neither answers nor statuses", "[lcm_loop]")
+TEST_CASE("a flood of what is no sample delays neither answers nor statuses", "[lcm_loop][slow]")
 {
   std::vector<std::byte> buffer;
   const auto junk = [&](const Bench& bench)

@@ -336,7 +336,7 @@ private:
 
 } // namespace
 
-TEST_CASE("the solution is the best of all sets of active rows", "[quadratic_program]")
+TEST_CASE("the solution is the best of all sets of active rows", "[quadratic_program][slow]")
 {
   oracle::Random random(1);
   int infeasible_ones = 0;

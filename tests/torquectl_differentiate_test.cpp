@@ -98,7 +98,7 @@ std::vector<std::vector<double>> evaluated(const TemporaryFolder& folder, const 
 
 } // namespace
 
-TEST_CASE("the walk that gait writes has the same torques from its positions alone", "[torquectl_differentiate]")
+TEST_CASE("the walk that gait writes has the same torques from its positions alone", "[torquectl_differentiate][slow]")
 {
   const TemporaryFolder folder;
   for (const std::string robot : {"ck", "rk"})
