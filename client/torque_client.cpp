@@ -1,10 +1,15 @@
 #include "client/torque_client.h"
 
+#include "robot/printable.h"
 #include "wire/messages.h"
 
 #include <algorithm>
+#include <cmath>
+#include <initializer_list>
+#include <iterator>
 #include <poll.h>
 #include <random>
+#include <set>
 #include <stdexcept>
 #include <time.h>
 #include <utility>
@@ -22,6 +27,79 @@ std::int64_t random_id()
 {
   std::random_device random;
   return static_cast<std::int64_t>(std::uint64_t{random()} << 32 | random());
+}
+
+bool is_finite(double number)
+{
+  return std::isfinite(number);
+}
+
+bool all_finite(const std::vector<double>& numbers)
+{
+  return std::all_of(numbers.begin(), numbers.end(), is_finite);
+}
+
+bool are_names(const std::vector<std::string>& names)
+{
+  const std::set<std::string> distinct(names.begin(), names.end());
+  return distinct.size() == names.size() && distinct.count("") == 0;
+}
+
+// Whether the parts that clients go by can be a robot's. That vectors are as long as their counts say, decode() checks.
+bool is_robot(const model_info_t& model)
+{
+  const auto is_limit = [](double limit)
+  {
+    return limit > 0.0; // or infinite
+  };
+  const auto all_limits = [&](const std::vector<double>& limits)
+  {
+    return std::all_of(limits.begin(), limits.end(), is_limit);
+  };
+  return !model.name.empty() && model.num_joints >= 1 && model.num_joints <= model.num_coordinates &&
+         are_names(model.absolute_names) && are_names(model.relative_names) && are_names(model.joint_names) &&
+         is_finite(model.gravity) && is_finite(model.total_mass) && model.total_mass > 0.0 &&
+         std::all_of(model.A.begin(), model.A.end(), all_finite) && all_finite(model.b) &&
+         all_limits(model.torque_limits) && all_limits(model.rate_limits);
+}
+
+// the first number that is not finite, by its name: "torque[3] is nan"; empty if there is none
+std::string not_finite(const torque_command_t& command)
+{
+  const auto among = [](const std::string& name, const auto& numbers) -> std::string
+  {
+    const auto found = std::find_if_not(std::begin(numbers), std::end(numbers), is_finite);
+    return found == std::end(numbers)
+               ? ""
+               : name + "[" + std::to_string(found - std::begin(numbers)) + "] is " + std::to_string(*found);
+  };
+  for (const std::string& found :
+       {among("torque", command.torque), among("a", command.a), among("base_a", command.base_a)})
+    if (!found.empty())
+      return found;
+  using Numbers = std::initializer_list<std::pair<const char*, double>>;
+  for (const auto& [foot, reaction] : {std::pair("left.", &command.left), std::pair("right.", &command.right)})
+    for (const auto& [name, number] : Numbers{{"fx", reaction->fx},
+                                              {"fz", reaction->fz},
+                                              {"moment", reaction->moment},
+                                              {"cop", reaction->cop},
+                                              {"friction_ratio", reaction->friction_ratio}})
+      if (!is_finite(number))
+        return std::string(foot) + name + " is " + std::to_string(number);
+  for (const auto& [name, number] : Numbers{{"zmp", command.zmp},
+                                            {"dynamics_residual", command.dynamics_residual},
+                                            {"contact_speed", command.contact_speed},
+                                            {"contact_residual", command.contact_residual},
+                                            {"adjustment", command.adjustment}})
+    if (!is_finite(number))
+      return std::string(name) + " is " + std::to_string(number);
+  return "";
+}
+
+// "ck (model_id 5)"
+std::string shown_robot(const model_info_t& model)
+{
+  return printable(model.name) + " (model_id " + std::to_string(model.model_id) + ")";
 }
 
 } // namespace
@@ -64,7 +142,8 @@ void TorqueClient::hear(const lcm::ReceiveBuffer* buffer, const std::string& cha
   if (channel == command_channel_ && decode(bytes, command))
   {
     const auto [stream_id, utime] = std::pair(command.stream_id, command.utime);
-    settle(stream_id, utime, std::move(command));
+    std::string wrong = objection(command);
+    settle(stream_id, utime, wrong.empty() ? Reply(std::move(command)) : Discarded{utime, std::move(wrong)});
   }
   else if (channel == rejected_channel_ && decode(bytes, rejection))
   {
@@ -73,8 +152,59 @@ void TorqueClient::hear(const lcm::ReceiveBuffer* buffer, const std::string& cha
   }
   else if (channel == model_channel_ && decode(bytes, model))
   {
+    hear(std::move(model));
+  }
+}
+
+void TorqueClient::hear(model_info_t model)
+{
+  if (!is_robot(model))
+    return;
+  if (!model_)
+  {
     model_ = std::move(model);
   }
+  else if (model.model_id != model_->model_id)
+  {
+    other_model_ = std::move(model);
+  }
+  else
+  {
+    // the same robot: no more than what may differ between daemons
+    model_->instance_id = model.instance_id;
+    model_->settings_id = model.settings_id;
+    model_->settings = std::move(model.settings);
+  }
+}
+
+// why a command is none for the robot that this client goes by; empty if it is
+std::string TorqueClient::objection(const torque_command_t& command) const
+{
+  if (!model_)
+    return "torques came before any daemon has said which robot it computes, so that nothing says whose they are; "
+           "wait_for_model() waits until one has";
+  if (command.model_id != model_->model_id)
+  {
+    const bool is_known = other_model_ && other_model_->model_id == command.model_id;
+    return "the torques are those of " +
+           (is_known ? shown_robot(*other_model_)
+                     : "a robot that was not named (model_id " + std::to_string(command.model_id) + ")") +
+           "; this client goes by " + shown_robot(*model_);
+  }
+  if (command.num_joints != model_->num_joints || command.num_coordinates != model_->num_coordinates)
+    return "the command has " + std::to_string(command.num_joints) + " torques and " +
+           std::to_string(command.num_coordinates) + " accelerations; expected " + std::to_string(model_->num_joints) +
+           " and " + std::to_string(model_->num_coordinates) + ", those of " + shown_robot(*model_);
+  const std::string number = not_finite(command);
+  return number.empty() ? "" : "a number of the command is not finite: " + number;
+}
+
+void TorqueClient::require_outside_callback(const char* function) const
+{
+  if (calling_back_)
+    throw std::logic_error(std::string("TorqueClient::") + function +
+                           "() was called within the callback of on_reply(), which may publish() but not wait for more "
+                           "replies; call it after the callback has returned");
 }
 
 void TorqueClient::settle(std::int64_t stream_id, std::int64_t utime, Reply reply)
@@ -88,6 +218,13 @@ void TorqueClient::settle(std::int64_t stream_id, std::int64_t utime, Reply repl
   }
   else if (outstanding_.erase(utime) > 0 && callback_)
   {
+    struct Calling
+    {
+      bool& now;
+      explicit Calling(bool& flag) : now(flag) { now = true; }
+      ~Calling() { now = false; }
+    };
+    const Calling calling(calling_back_);
     callback_(reply);
   }
 }
@@ -117,6 +254,7 @@ bool TorqueClient::receive(Clock::time_point until)
 
 bool TorqueClient::wait_for_model(Clock::duration patience)
 {
+  require_outside_callback("wait_for_model");
   const Clock::time_point until = Clock::now() + patience;
   while (!model_ && Clock::now() < until)
     receive(until);
@@ -156,6 +294,7 @@ void TorqueClient::publish(desired_state_t& desired)
 
 Reply TorqueClient::ask(desired_state_t& desired, Clock::duration patience)
 {
+  require_outside_callback("ask");
   const Clock::time_point until = Clock::now() + patience;
   publish(desired);
   outstanding_.erase(desired.utime);
@@ -177,12 +316,14 @@ void TorqueClient::restart()
 
 void TorqueClient::on_reply(std::function<void(const Reply&)> callback, Clock::duration patience)
 {
+  require_outside_callback("on_reply");
   callback_ = std::move(callback);
   patience_ = patience;
 }
 
 void TorqueClient::handle(Clock::duration at_most)
 {
+  require_outside_callback("handle");
   Clock::time_point until = Clock::now() + at_most;
   if (!outstanding_.empty())
     until = std::min(until, outstanding_.begin()->second);

@@ -8,9 +8,15 @@
 ///   const torqued::Reply reply = client.ask(desired, std::chrono::milliseconds(5));
 ///   if (const auto* command = std::get_if<torqued::torque_command_t>(&reply))
 ///     …                                                            // command->torque, N m
+///   else
+///     …                                                            // let go: there are no torques for this instant
 ///
 /// Units, frames and signs are those of the messages (lcmtypes). Each client is a stream of its own; the daemon answers
 /// one stream at a time. To be used by one thread at a time.
+///
+/// A client goes by one robot: the first that a daemon names. Torques for another one, as when the daemon is started
+/// anew with it or two daemons share the channels, never reach the user as a command. Whoever wants to go on with the
+/// other robot takes a new client.
 #pragma once
 
 #include <lcm/lcm-cpp.hpp>
@@ -38,8 +44,16 @@ struct Silence
   std::int64_t utime; ///< of the desired state, µs
 };
 
-/// What became of a desired state: its torques, why there are none, or nothing.
-using Reply = std::variant<torque_command_t, rejection_t, Silence>;
+/// Torques came, and must not be applied: they are another robot's, not as many as the robot has, not all numbers, or
+/// came before any daemon had said which robot it computes, so that none of this can be checked.
+struct Discarded
+{
+  std::int64_t utime; ///< of the desired state, µs
+  std::string detail; ///< what is wrong, in a sentence
+};
+
+/// What became of a desired state: its torques, why there are none, nothing, or torques that are none for this robot.
+using Reply = std::variant<torque_command_t, rejection_t, Silence, Discarded>;
 
 class TorqueClient
 {
@@ -53,10 +67,17 @@ public:
   TorqueClient(const TorqueClient&) = delete;
   TorqueClient& operator=(const TorqueClient&) = delete;
 
-  /// Waits until a daemon has said which robot it computes; it says so at its start and every two seconds.
+  /// Waits until a daemon has said which robot it computes; it says so at its start and every two seconds. Throws what
+  /// handle() does.
   bool wait_for_model(Clock::duration patience);
-  /// What was said last; nothing as long as nothing was heard.
+  /// The robot that was named first, by which this client goes until its end; nothing as long as none was named. Of a
+  /// daemon that computes the same robot after that one, instance_id, settings_id and settings are taken over. A
+  /// message that can be no robot's (numbers that are not finite, no coordinates, more joints than coordinates, names
+  /// that are empty or come twice) counts as not heard.
   const std::optional<model_info_t>& model() const { return model_; }
+  /// Another robot than model() that was named later, the last one: the daemon was started anew with it, or two daemons
+  /// share the channels. Nothing as long as none was.
+  const std::optional<model_info_t>& other_model() const { return other_model_; }
 
   /// A desired state of the right size, to be filled in: the robot stands still and upright on both soles, all link
   /// angles 0, base FROM_CONTACT, load_transfer and phase 0.5. Requires: model().
@@ -68,17 +89,18 @@ public:
 
   /// Publishes a desired state and waits for what becomes of it, at the longest for `patience`; then it is silence.
   /// What comes later is dropped: torques for an instant that has passed are of no use. Stamps as publish() does.
-  /// Throws what publish() and handle() do.
+  /// Throws what publish() and handle() do; what becomes of this desired state is then dropped.
   Reply ask(desired_state_t& desired, Clock::duration patience);
 
   /// Publishes a desired state without waiting. Stamps it: utime by this machine's monotonic clock, µs, but at least
   /// one more than the one before; stream_id; model_id, if the model is known. Its reply goes to on_reply().
   /// Throws std::invalid_argument if q, v and a have not num_coordinates numbers each, and nothing is published then;
-  /// std::runtime_error if the bus takes no message.
+  /// std::runtime_error if the bus takes no message. Whether num_coordinates is the robot's, the daemon checks.
   void publish(desired_state_t& desired);
-  /// Calls back, within handle() and ask(), with one reply for each published desired state, in the order in which they
-  /// come; silence `patience` after it was published. What the callback throws comes out of handle() or ask(). It may
-  /// publish, and must not call handle() or ask().
+  /// Calls back, within handle(), ask() and wait_for_model(), with one reply for each published desired state, in the
+  /// order in which they come; silence `patience` after it was published. What the callback throws comes out of the
+  /// call within which it ran. It may publish. handle(), ask(), wait_for_model() and on_reply() throw std::logic_error
+  /// there.
   void on_reply(std::function<void(const Reply&)> callback, Clock::duration patience);
   /// Waits for messages, at the longest so long, and deals with all that are there; with 0 it does not wait.
   /// Throws std::runtime_error if the bus cannot be read any more.
@@ -96,6 +118,9 @@ public:
 
 private:
   void hear(const lcm::ReceiveBuffer* buffer, const std::string& channel);
+  void hear(model_info_t model);
+  std::string objection(const torque_command_t& command) const;
+  void require_outside_callback(const char* function) const;
   void settle(std::int64_t stream_id, std::int64_t utime, Reply reply);
   void give_up(Clock::time_point now);
   bool receive(Clock::time_point until);
@@ -105,11 +130,12 @@ private:
   std::string desired_channel_, command_channel_, rejected_channel_, model_channel_;
   std::int64_t stream_id_;
   lcm::LCM lcm_;
-  std::optional<model_info_t> model_;
+  std::optional<model_info_t> model_, other_model_;
   std::int64_t utime_ = 0;                                // of the last desired state
   std::map<std::int64_t, Clock::time_point> outstanding_; // utime of those published, and when they become silence
   std::function<void(const Reply&)> callback_;
   Clock::duration patience_{};
+  bool calling_back_ = false;
   std::int64_t asked_ = 0;     // utime that ask() waits for; 0: none
   std::optional<Reply> reply_; // to it
   std::exception_ptr thrown_;

@@ -36,6 +36,19 @@ for controller in "$folder/build/controller" "$folder/by_pkg_config"; do
   [ "$(grep -c '^torques ' "$folder/output")" -ge 7 ] # of 400 instants every fiftieth: one may be silent here and there
   sleep 0.3
 done
+# without torques it lets go, and says why: nobody answers, then a daemon of another robot
+stdbuf -oL "$folder/build/controller" > "$folder/output" &
+controller=$!
+while kill -0 $controller && ! grep -q '^torques ' "$folder/output"; do sleep 0.05; done
+kill -KILL $torqued
+wait $torqued || true
+sleep 0.3
+"$folder/usr/bin/torqued" --robot rk 2> "$folder/torqued.log" &
+torqued=$!
+wait $controller
+grep -q '^no torques: torqued is silent$' "$folder/output"
+grep -q '^no torques: model_id is .*; expected .*, that of rk, or 0$' "$folder/output"
+tail -n 1 "$folder/output" | grep -q '^no torques: the motion is over$'
 kill -TERM $torqued
 wait $torqued
 torqued=''

@@ -22,6 +22,7 @@ void apply(const torqued::torque_command_t& command)
   if (count++ % 50 == 0)
     std::printf("torques %7.2f %7.2f N m … flags %d\n", command.torque.front(), command.torque.back(), command.flags);
 }
+// Where your motors let go, or hold the robot as well as they can without torqued.
 void let_go(const char* why)
 {
   std::printf("no torques: %s\n", why);
@@ -64,12 +65,16 @@ try
       apply(*command);
     else if (const auto* rejection = std::get_if<torqued::rejection_t>(&reply))
       let_go(rejection->detail.c_str());
+    else if (const auto* discarded = std::get_if<torqued::Discarded>(&reply))
+      let_go(discarded->detail.c_str());
     else
       let_go("torqued is silent");
   }
+  let_go("the motion is over");
 }
 catch (const std::exception& error)
 {
+  let_go("the controller ends");
   std::fprintf(stderr, "controller: %s\n", error.what());
   return 1;
 }
