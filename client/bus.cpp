@@ -2,6 +2,7 @@
 
 #include "client/failure.h"
 #include "client/subcommands.h"
+#include "robot/printable.h"
 
 #include <algorithm>
 #include <fmt/format.h>
@@ -117,32 +118,41 @@ bool Bus::stopped() const
   return stop_signal != 0;
 }
 
+void Bus::hear_model(const std::string& channel, Bytes bytes)
+{
+  model_info_t model;
+  const bool readable = decode(bytes, model);
+  const std::string flaw = readable ? flaw_of(model) : "it cannot be read as model_info_t";
+  if (flaw.empty())
+  {
+    model_ = std::move(model);
+    return;
+  }
+  if (!flaw_told_)
+    note(fmt::format("a message on {}{} is passed over, as are others like it: {}", printable(channel),
+                     readable ? fmt::format(", named \"{}\",", printable(model.name)) : "", flaw));
+  flaw_told_ = true;
+}
+
 bool Bus::wait_for_model(const Channels& channels)
 {
-  const auto hear = [this](Bytes bytes)
-  {
-    model_info_t model;
-    if (decode(bytes, model))
-      model_ = std::move(model);
-  };
-  subscribe(channels.model, hear);
+  subscribe(channels.model, [this, channel = channels.model](Bytes bytes) { hear_model(channel, bytes); });
   const auto wait_until = [this](Clock::time_point deadline)
   {
     while (!model_ && !stopped() && Clock::now() < deadline)
       wait(deadline);
   };
-  constexpr std::chrono::seconds patience{5};
   const auto start = Clock::now();
   wait_until(start + std::chrono::seconds(1));
   if (!model_ && !stopped())
     note(fmt::format("waiting for torqued to say on {} which robot it computes", channels.model));
-  wait_until(start + patience);
+  wait_until(start + kModelPatience);
   if (!model_ && !stopped())
     throw Failure(
         ExitCode::no_bus,
         fmt::format("no daemon has said on {} within {} s which robot it computes; is torqued running on this "
                     "bus and network, with the same --prefix? Here {}",
-                    channels.model, patience.count(), trouble_));
+                    channels.model, kModelPatience.count(), trouble_));
   return !stopped();
 }
 

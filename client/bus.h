@@ -42,8 +42,10 @@ public:
   /// Whether SIGINT or SIGTERM has come.
   bool stopped() const;
 
-  /// Waits up to 5 s until a daemon has said which robot it computes; false if a signal came first. To be called once.
-  /// Throws Failure, no_bus, if none says so.
+  static constexpr std::chrono::seconds kModelPatience{5};
+  /// Waits up to kModelPatience until a daemon has said which robot it computes; false if a signal came first. To be
+  /// called once. A message that can be no robot's is passed over; the first one is told to the user, whenever it
+  /// comes. Throws Failure, no_bus, if none says so.
   bool wait_for_model(const Channels& channels);
   /// What was said about the robot last. Requires: wait_for_model() was true.
   const model_info_t& model() const { return *model_; }
@@ -58,6 +60,7 @@ private:
                         Subscription* subscription) noexcept;
   };
   void subscribe(const std::string& pattern, Subscription subscription);
+  void hear_model(const std::string& channel, Bytes bytes);
 
   sigset_t mask_while_waiting_;
   std::string trouble_;
@@ -65,6 +68,7 @@ private:
   std::list<Subscription> subscriptions_; // LCM keeps their addresses
   std::exception_ptr thrown_;
   std::optional<model_info_t> model_;
+  bool flaw_told_ = false;
 };
 
 } // namespace torqued

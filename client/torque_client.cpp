@@ -9,7 +9,6 @@
 #include <iterator>
 #include <poll.h>
 #include <random>
-#include <set>
 #include <stdexcept>
 #include <time.h>
 #include <utility>
@@ -32,35 +31,6 @@ std::int64_t random_id()
 bool is_finite(double number)
 {
   return std::isfinite(number);
-}
-
-bool all_finite(const std::vector<double>& numbers)
-{
-  return std::all_of(numbers.begin(), numbers.end(), is_finite);
-}
-
-bool are_names(const std::vector<std::string>& names)
-{
-  const std::set<std::string> distinct(names.begin(), names.end());
-  return distinct.size() == names.size() && distinct.count("") == 0;
-}
-
-// Whether the parts that clients go by can be a robot's. That vectors are as long as their counts say, decode() checks.
-bool is_robot(const model_info_t& model)
-{
-  const auto is_limit = [](double limit)
-  {
-    return limit > 0.0; // or infinite
-  };
-  const auto all_limits = [&](const std::vector<double>& limits)
-  {
-    return std::all_of(limits.begin(), limits.end(), is_limit);
-  };
-  return !model.name.empty() && model.num_joints >= 1 && model.num_joints <= model.num_coordinates &&
-         are_names(model.absolute_names) && are_names(model.relative_names) && are_names(model.joint_names) &&
-         is_finite(model.gravity) && is_finite(model.total_mass) && model.total_mass > 0.0 &&
-         std::all_of(model.A.begin(), model.A.end(), all_finite) && all_finite(model.b) &&
-         all_limits(model.torque_limits) && all_limits(model.rate_limits);
 }
 
 // the first number that is not finite, by its name: "torque[3] is nan"; empty if there is none
@@ -158,7 +128,7 @@ void TorqueClient::hear(const lcm::ReceiveBuffer* buffer, const std::string& cha
 
 void TorqueClient::hear(model_info_t model)
 {
-  if (!is_robot(model))
+  if (!flaw_of(model).empty())
     return;
   if (!model_)
   {

@@ -2,7 +2,13 @@
 
 #include "wire/cursor.h"
 
+#include <algorithm>
+#include <array>
+#include <cmath>
 #include <cstdlib>
+#include <set>
+#include <string>
+#include <utility>
 
 namespace torqued
 {
@@ -18,7 +24,58 @@ Cursor walk_desired_state(Bytes bytes)
   return cursor;
 }
 
+// what is wrong with the names of coordinates or joints
+std::string flaw_of(const std::string& what, const std::vector<std::string>& names)
+{
+  const std::set<std::string> distinct(names.begin(), names.end());
+  if (distinct.count("") > 0)
+    return "one of " + what + " is empty";
+  return distinct.size() < names.size() ? "two of " + what + " are the same" : "";
+}
+
+template <typename Numbers, typename IsGood>
+std::string flaw_of(const std::string& what, const Numbers& numbers, const IsGood& is_good)
+{
+  const auto found = std::find_if_not(numbers.begin(), numbers.end(), is_good);
+  return found == numbers.end() ? "" : what + " is " + std::to_string(*found);
+}
+
 } // namespace
+
+std::string flaw_of(const model_info_t& model)
+{
+  const auto is_finite = [](double number)
+  {
+    return std::isfinite(number);
+  };
+  const auto is_limit = [](double limit)
+  {
+    return limit > 0.0; // or infinite
+  };
+  if (model.name.empty())
+    return "it has no name";
+  if (model.num_joints < 1 || model.num_joints > model.num_coordinates)
+    return "it has " + std::to_string(model.num_joints) + " joints and " + std::to_string(model.num_coordinates) +
+           " coordinates";
+  std::string flaw;
+  const auto look = [&flaw](std::string found)
+  {
+    if (flaw.empty())
+      flaw = std::move(found);
+  };
+  look(flaw_of("absolute_names", model.absolute_names));
+  look(flaw_of("relative_names", model.relative_names));
+  look(flaw_of("joint_names", model.joint_names));
+  look(flaw_of("gravity", std::array{model.gravity}, is_finite));
+  look(flaw_of("total_mass", std::array{model.total_mass},
+               [](double mass) { return mass > 0.0 && std::isfinite(mass); }));
+  for (const std::vector<double>& row : model.A)
+    look(flaw_of("a number of A", row, is_finite));
+  look(flaw_of("a number of b", model.b, is_finite));
+  look(flaw_of("a torque limit", model.torque_limits, is_limit));
+  look(flaw_of("a rate limit", model.rate_limits, is_limit));
+  return flaw;
+}
 
 bool is_desired_state(Bytes bytes)
 {

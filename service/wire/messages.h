@@ -57,6 +57,10 @@ bool decode(Bytes bytes, dynamics_t& message);
 /// Whether decode() makes a desired_state_t of these bytes. Does not allocate.
 bool is_desired_state(Bytes bytes);
 
+/// What keeps a decoded model message from being a robot's, in words: "gravity is nan"; empty if nothing does. Looks at
+/// what clients go by: name, coordinates and joints, A and b, gravity, mass, limits.
+std::string flaw_of(const model_info_t& model);
+
 /// A message as LCM hands it over. Of a packet that ends within its channel's name LCM 1.3.1 makes a message of nearly
 /// 2³² bytes; no message is that long, and there is nothing to be read: no bytes.
 inline Bytes received_bytes(const void* data, std::uint32_t size)
