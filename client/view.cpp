@@ -1,25 +1,21 @@
 #include "client/bus.h"
 #include "client/live_motion.h"
+#include "client/page_server.h"
 #include "client/robot_choice.h"
 #include "client/subcommands.h"
 #include "robot/printable.h"
 
 #include <CLI/CLI.hpp>
-#include <httplib.h>
 
 #include <fmt/format.h>
 #include <memory>
 #include <mutex>
-#include <sys/socket.h>
-#include <thread>
 
 namespace torqued
 {
 
 namespace
 {
-
-constexpr const char* kAddress = "127.0.0.1";
 
 struct ViewOptions
 {
@@ -79,65 +75,6 @@ private:
   std::unique_ptr<LiveMotion> motion_;
 };
 
-// A web server for this machine alone.
-class Server
-{
-public:
-  Server(const View& view, int port)
-  {
-    server_.new_task_queue = []
-    {
-      return new httplib::ThreadPool(2); // the library deletes it
-    };
-    // its own options would let two servers have one port
-    server_.set_socket_options(
-        [](socket_t socket)
-        {
-          const int yes = 1;
-          setsockopt(socket, SOL_SOCKET, SO_REUSEADDR, &yes, sizeof yes);
-        });
-    // another site's page cannot read what this one serves, by whatever name it reaches this machine
-    server_.set_pre_routing_handler(
-        [this](const httplib::Request& request, httplib::Response& response)
-        {
-          const std::string host = request.get_header_value("Host");
-          if (host == fmt::format("{}:{}", kAddress, port_) || host == fmt::format("localhost:{}", port_))
-            return httplib::Server::HandlerResponse::Unhandled;
-          response.status = 403;
-          response.set_content("torquectl view answers only to 127.0.0.1 and localhost\n", "text/plain");
-          return httplib::Server::HandlerResponse::Handled;
-        });
-    server_.Get("/", [&view](const httplib::Request&, httplib::Response& response)
-                { response.set_content(view.page(), "text/html; charset=utf-8"); });
-    server_.Get("/document",
-                [&view](const httplib::Request&, httplib::Response& response)
-                {
-                  response.set_header("Cache-Control", "no-store");
-                  response.set_content(view.document(), "application/json");
-                });
-    port_ = port == 0 ? server_.bind_to_any_port(kAddress) : server_.bind_to_port(kAddress, port) ? port : -1;
-    if (port_ < 0)
-      throw Failure(ExitCode::failed,
-                    fmt::format("--port: {} of {} cannot be had, is another program there? 0 takes any that is free",
-                                port, kAddress));
-    thread_ = std::thread([this] { server_.listen_after_bind(); });
-  }
-  ~Server()
-  {
-    server_.stop();
-    thread_.join();
-  }
-  Server(const Server&) = delete;
-  Server& operator=(const Server&) = delete;
-
-  int port() const { return port_; }
-
-private:
-  httplib::Server server_;
-  int port_ = -1;
-  std::thread thread_;
-};
-
 ExitCode view(const ViewOptions& options)
 {
   Config config;
@@ -151,9 +88,18 @@ ExitCode view(const ViewOptions& options)
   bus.subscribe(channels.desired, [&view](Bytes bytes) { view.hear<desired_state_t>(bytes); });
   bus.subscribe(channels.command, [&view](Bytes bytes) { view.hear<torque_command_t>(bytes); });
   bus.subscribe(channels.rejected, [&view](Bytes bytes) { view.hear<rejection_t>(bytes); });
-  const Server server(view, options.port);
-  fmt::print("http://{}:{}/ shows what {} does; Ctrl-C ends this\n", kAddress, server.port(),
-             printable(bus.model().name));
+  const PageServer server({{"/", "text/html; charset=utf-8",
+                            [&view]
+                            {
+                              return view.page();
+                            }},
+                           {"/document", "application/json",
+                            [&view]
+                            {
+                              return view.document();
+                            }}},
+                          options.port);
+  fmt::print("http://127.0.0.1:{}/ shows what {} does; Ctrl-C ends this\n", server.port(), printable(bus.model().name));
   std::fflush(stdout);
   while (!bus.stopped())
   {

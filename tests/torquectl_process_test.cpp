@@ -1,6 +1,7 @@
 #include "catch.h"
 #include "process.h"
 #include "temporary_folder.h"
+#include "view_client.h"
 
 #include "client/files.h"
 #include "wire/codec.h"
@@ -8,7 +9,6 @@
 #include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
-#include <httplib.h>
 #include <limits>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -219,40 +219,6 @@ TEST_CASE("without a bus, and without a daemon, each subcommand that needs one s
   }
 }
 
-TEST_CASE("view outlives its daemon, and shows the next one's robot", "[torquectl_process]")
-{
-  const TemporaryFolder folder;
-  auto torqued = std::make_unique<Process>(std::vector<std::string>{TORQUED, "--robot", "ck"}, folder.file("ck"));
-  Process view({TORQUECTL, "view", "--port", "0"}, folder.file("view"));
-  const auto wait_for = [](const auto& condition)
-  {
-    for (int i = 0; i < 1000 && !condition(); ++i)
-      std::this_thread::sleep_for(std::chrono::milliseconds(10));
-    return condition();
-  };
-  const auto said = [&]
-  {
-    return read_file(folder.file("view"));
-  };
-  REQUIRE(wait_for([&] { return said().find("127.0.0.1:") != std::string::npos && said().ends_with("\n"); }));
-  const std::string text = said();
-  httplib::Client browser("127.0.0.1", std::stoi(text.substr(text.find("127.0.0.1:") + 10)));
-  const auto robot = [&]() -> std::string
-  {
-    const auto answer = browser.Get("/document");
-    return answer ? nlohmann::json::parse(answer->body)["robot"]["name"].get<std::string>() : "";
-  };
-  CHECK(robot() == "ck");
-  torqued->signal(SIGKILL);
-  torqued->wait();
-  CHECK(robot() == "ck");
-  torqued = std::make_unique<Process>(std::vector<std::string>{TORQUED, "--robot", "rk"}, folder.file("rk"));
-  CHECK(wait_for([&] { return robot() == "rk"; }));
-  CHECK(browser.Get("/nothing")->status == 404);
-  view.signal(SIGINT);
-  CHECK(view.wait() == 0);
-}
-
 TEST_CASE("a robot that does not ship is shown as torqued says, and gets no other robot's motion",
           "[torquectl_process]")
 {
@@ -261,23 +227,12 @@ TEST_CASE("a robot that does not ship is shown as torqued says, and gets no othe
   toml.replace(toml.find("gravity = 9.81"), 14, "gravity = 1.62");
   const std::string mine = folder.write("mine.toml", toml), walk = folder.file("walk.csv");
   Process torqued({TORQUED, "--robot", mine, "--every-sample"}, folder.file("torqued"));
-  Process view({TORQUECTL, "view", "--port", "0"}, folder.file("view"));
-  const auto said = [&]
-  {
-    return read_file(folder.file("view"));
-  };
-  for (int i = 0; i < 1000 && !(contains(said(), "127.0.0.1:") && said().ends_with("\n")); ++i)
-    std::this_thread::sleep_for(std::chrono::milliseconds(10));
-  const std::string text = said();
-  REQUIRE(text.find("127.0.0.1:") != std::string::npos);
-  httplib::Client browser("127.0.0.1", std::stoi(text.substr(text.find("127.0.0.1:") + 10)));
-  const auto shown = browser.Get("/document");
-  REQUIRE(shown);
-  const nlohmann::json robot = nlohmann::json::parse(shown->body)["robot"];
+  View view;
+  const nlohmann::json robot = view.document()["robot"];
   CHECK(robot["links"].size() == 7);
   CHECK(std::abs(robot["weight"].get<double>() - 45.0 * 1.62) < 1e-9);
-  view.signal(SIGINT);
-  CHECK(view.wait() == 0);
+  view.process().signal(SIGINT);
+  CHECK(view.process().wait() == 0);
 
   const std::int64_t id = load_robot(mine).model_id;
   const Run human = run({"send", kWalk});
