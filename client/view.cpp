@@ -7,9 +7,15 @@
 
 #include <CLI/CLI.hpp>
 
+#include <cstdio>
 #include <fmt/format.h>
 #include <memory>
 #include <mutex>
+#include <optional>
+#include <set>
+#include <stdexcept>
+#include <string>
+#include <tuple>
 
 namespace torqued
 {
@@ -25,28 +31,42 @@ struct ViewOptions
   double seconds = 10.0;
 };
 
+// Whether two messages name the same robot, even if somebody made up one of them.
+bool same_robot(const model_info_t& a, const model_info_t& b)
+{
+  const auto facts = [](const model_info_t& model)
+  {
+    return std::tie(model.model_id, model.name, model.num_coordinates, model.num_joints, model.num_links);
+  };
+  return facts(a) == facts(b);
+}
+
 // What the bus says and the browser asks for, each in a thread of its own.
 class View
 {
 public:
+  using Clock = LiveMotion::Clock;
+
+  /// Throws Failure, FileError: the robot cannot be drawn, or is not the one that --robot says.
   View(const model_info_t& model, const ViewOptions& options) : options_(options) { set_model(model); }
 
+  /// Likewise; what is shown then stays.
   void set_model(const model_info_t& model)
   {
     Robot robot = choose_drawn_robot(said_robot(options_.robot), robot_named_by(model));
     const std::lock_guard lock(mutex_);
     motion_ = std::make_unique<LiveMotion>(std::move(robot), options_.seconds);
-    model_id_ = model.model_id;
+    model_ = model;
   }
   // of the thread that hears the bus
-  std::int64_t model_id() const { return model_id_; }
+  const model_info_t& model() const { return model_; }
 
   template <typename Message> void hear(Bytes bytes)
   {
     Message message;
     if (!decode(bytes, message))
       return;
-    const auto now = LiveMotion::Clock::now();
+    const auto now = Clock::now();
     const std::lock_guard lock(mutex_);
     if constexpr (std::is_same_v<Message, rejection_t>)
       motion_->hear(message);
@@ -64,16 +84,59 @@ public:
   {
     // a screen's worth of each curve
     constexpr Resolution resolution{.frames = 1500, .stretches = 750};
+    const auto now = Clock::now();
     const std::lock_guard lock(mutex_);
-    return report_document(motion_->robot(), motion_->window(LiveMotion::Clock::now()), resolution);
+    return report_document(motion_->robot(), motion_->window(now), resolution);
   }
 
 private:
   const ViewOptions& options_;
-  std::int64_t model_id_ = 0;
+  model_info_t model_;
   mutable std::mutex mutex_;
   std::unique_ptr<LiveMotion> motion_;
 };
+
+// Model messages of robots that cannot be shown: each is told to the user once.
+class PassedOver
+{
+public:
+  void tell(const model_info_t& model, const std::exception& why)
+  {
+    constexpr std::size_t most = 20; // who makes up more must not fill the terminal
+    if (model_ids_.size() < most && model_ids_.insert(model.model_id).second)
+      note(fmt::format("{} (model_id {}) is named on this bus, and not shown: {}", printable(model.name),
+                       model.model_id, why.what()));
+  }
+
+private:
+  std::set<std::int64_t> model_ids_;
+};
+
+// Shows the first robot that can be shown, which need not be the first that somebody names. Nothing if a signal came.
+std::unique_ptr<View> first_view(Bus& bus, const ViewOptions& options, PassedOver& passed_over)
+{
+  const auto until = Bus::Clock::now() + Bus::kModelPatience;
+  for (;;)
+  {
+    const model_info_t model = bus.model();
+    try
+    {
+      return std::make_unique<View>(model, options);
+    }
+    catch (const Failure& failure)
+    {
+      if (!options.robot.empty())
+        throw;
+      passed_over.tell(model, failure);
+      while (same_robot(bus.model(), model) && !bus.stopped() && Bus::Clock::now() < until)
+        bus.wait(until);
+      if (bus.stopped())
+        return nullptr;
+      if (same_robot(bus.model(), model))
+        throw;
+    }
+  }
+}
 
 ExitCode view(const ViewOptions& options)
 {
@@ -84,7 +147,11 @@ ExitCode view(const ViewOptions& options)
   if (!bus.wait_for_model(channels))
     return ExitCode::done;
   flush_denormals();
-  View view(bus.model(), options);
+  PassedOver passed_over;
+  const std::unique_ptr<View> first = first_view(bus, options, passed_over);
+  if (!first)
+    return ExitCode::done;
+  View& view = *first;
   bus.subscribe(channels.desired, [&view](Bytes bytes) { view.hear<desired_state_t>(bytes); });
   bus.subscribe(channels.command, [&view](Bytes bytes) { view.hear<torque_command_t>(bytes); });
   bus.subscribe(channels.rejected, [&view](Bytes bytes) { view.hear<rejection_t>(bytes); });
@@ -99,13 +166,25 @@ ExitCode view(const ViewOptions& options)
                               return view.document();
                             }}},
                           options.port);
-  fmt::print("http://127.0.0.1:{}/ shows what {} does; Ctrl-C ends this\n", server.port(), printable(bus.model().name));
+  fmt::print("http://127.0.0.1:{}/ shows what {} does; Ctrl-C ends this\n", server.port(),
+             printable(view.model().name));
   std::fflush(stdout);
+  model_info_t named = view.model(); // last
   while (!bus.stopped())
   {
     bus.wait(Bus::Clock::now() + std::chrono::milliseconds(200));
-    if (bus.model().model_id != view.model_id())
-      view.set_model(bus.model());
+    if (same_robot(bus.model(), named))
+      continue;
+    named = bus.model();
+    try
+    {
+      if (!same_robot(named, view.model()))
+        view.set_model(named);
+    }
+    catch (const std::runtime_error& error)
+    {
+      passed_over.tell(named, error);
+    }
   }
   return ExitCode::done;
 }

@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
+#include <lcm/lcm-cpp.hpp>
 #include <limits>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -256,6 +257,105 @@ TEST_CASE("a robot that does not ship is shown as torqued says, and gets no othe
   CHECK(echo.wait() == 0);
   CHECK(read_file(folder.file("echo.csv")).find(fmt::format("\n# robot: ck\n# model_id: {}\n", id)) !=
         std::string::npos);
+}
+
+TEST_CASE("whatever a stranger says on the channels, no subcommand that listens ends", "[torquectl_process]")
+{
+  const TemporaryFolder folder;
+  const auto torqued = torqued_for_the_walk(folder, {"--every-sample"});
+  View view;
+  std::vector<std::unique_ptr<Process>> echoes;
+  const std::vector<std::string> formats{"table", "csv", "json"};
+  for (const std::string& format : formats)
+    echoes.push_back(std::make_unique<Process>(
+        std::vector<std::string>{TORQUECTL, "echo", "--status", "--format", format}, folder.file(format)));
+  Process send({TORQUECTL, "send", "--loop", kWalk}, folder.file("send"));
+  for (const std::string& format : formats)
+    REQUIRE(wait_for([&] { return lines(read_file(folder.file(format))) > 20; }));
+
+  const Channels channels;
+  lcm::LCM bus;
+  constexpr double infinity = std::numeric_limits<double>::infinity(), nan = std::numeric_limits<double>::quiet_NaN();
+  constexpr std::int64_t first = std::numeric_limits<std::int64_t>::min(),
+                         last = std::numeric_limits<std::int64_t>::max();
+  const std::string noise = "\x1b[2J\xff\xfe\"<script>\r\n";
+  const model_info_t human = model_info(load_robot("human-subject01"), 1, 2, ""),
+                     compass = model_info(load_robot("compass"), 1, 2, "settings = [[[");
+  for (int round = 0; round < 100; ++round)
+  {
+    const double number = round % 4 == 0 ? nan : round % 4 == 1 ? infinity : round % 4 == 2 ? -1e308 : 1e-320;
+    const std::int64_t time = round % 3 == 0 ? first : round % 3 == 1 ? last : 0;
+
+    model_info_t model = round % 2 == 0 ? human : compass;
+    if (round % 5 == 1)
+      model.name = model.joint_names[0] = noise;
+    if (round % 5 == 2)
+    {
+      model.model_id = round;
+      model.joint_names.back() = std::string(5000, 'j');
+    }
+    if (round % 5 == 3)
+    {
+      model = compass; // under the daemon's id
+      model.model_id = human.model_id;
+    }
+    if (round % 5 == 4)
+      model.gravity = model.segment_widths[0] = model.foot_heels[0][0] = model.torque_limits[0] = number;
+    bus.publish(channels.model, &model);
+
+    torque_command_t command{};
+    command.utime = time;
+    command.stream_id = round % 2;
+    command.model_id = round % 3 == 0 ? compass.model_id : human.model_id;
+    command.method = static_cast<std::int8_t>(round % 2 == 0 ? -128 : 127);
+    command.flags = round % 2 == 0 ? -1 : std::numeric_limits<std::int32_t>::min();
+    command.zmp = command.left.fx = command.right.cop = command.base_a[0] = number;
+    command.num_coordinates = round % 2 == 0 ? human.num_coordinates : round % 30;
+    command.num_joints = round % 2 == 0 ? human.num_joints : round % 7;
+    command.a.assign(static_cast<std::size_t>(command.num_coordinates), number);
+    command.torque.assign(static_cast<std::size_t>(command.num_joints), number);
+    bus.publish(channels.command, &command);
+
+    rejection_t rejection{};
+    rejection.utime = time;
+    rejection.reason = round - 50;
+    rejection.detail = noise;
+    bus.publish(channels.rejected, &rejection);
+
+    status_t status{};
+    status.utime = status.uptime_us = status.received = status.input_age_us = time;
+    status.instance_id = round;
+    status.state = static_cast<std::int8_t>(round);
+    status.last_reason = -round;
+    status.latency_us_p50 = status.latency_us_max = number;
+    status.version = noise;
+    bus.publish(channels.status, &status);
+
+    std::vector<std::byte> buffer;
+    const Bytes cut = encode(model, buffer).first(static_cast<std::size_t>(round));
+    for (const std::string& channel : {channels.model, channels.command, channels.rejected, channels.status})
+      bus.publish(channel, cut.data(), static_cast<unsigned>(cut.size()));
+    std::this_thread::sleep_for(std::chrono::milliseconds(2));
+  }
+
+  CHECK(run({"status", "--once", "--json"}).code == 0);
+  CHECK(view.get("/document").status == 200);
+  // and go on with what the daemon says
+  for (std::size_t i = 0; i < formats.size(); ++i)
+  {
+    CAPTURE(formats[i]);
+    const std::size_t heard = lines(read_file(folder.file(formats[i])));
+    CHECK(wait_for([&] { return lines(read_file(folder.file(formats[i]))) > heard + 20; }));
+    echoes[i]->signal(SIGINT);
+    CHECK(echoes[i]->wait() == 0);
+  }
+  CHECK(wait_for([&] { return view.robot() == "human-subject01"; }));
+  view.process().signal(SIGINT);
+  CHECK(view.process().wait() == 0);
+  send.signal(SIGINT);
+  const std::optional<int> code = send.wait();
+  CHECK((code == 0 || code == 1)); // all were answered, or not
+  CHECK(contains(read_file(folder.file("send")), "human-subject01: "));
 }
 
 } // namespace torquectl_process_test

@@ -247,4 +247,73 @@ TEST_CASE("whatever view is asked, its memory is bounded, and it goes on", "[vie
   check_memory();
 }
 
+TEST_CASE("view passes over what describes no robot, says so once, and shows the next one that can be drawn",
+          "[view_process]")
+{
+  const TemporaryFolder folder;
+  const Channels channels;
+  lcm::LCM bus;
+  const model_info_t ck = model_info(load_robot("ck"), 1, 2, "");
+  model_info_t other_links = ck, escapes = ck, not_finite = ck;
+  other_links.name = "stranger";
+  other_links.model_id = 17;
+  other_links.A[0][0] += 1.0;
+  escapes.name = "\x1b[31mred\x07";
+  escapes.model_id = 18;
+  not_finite.name = "heavy\x1b[2J";
+  not_finite.total_mass = std::numeric_limits<double>::quiet_NaN();
+  std::vector<std::byte> buffer;
+  const Bytes whole = encode(ck, buffer);
+  const auto publish_all = [&]
+  {
+    for (const model_info_t* model : {&other_links, &escapes, &not_finite})
+      bus.publish(channels.model, model);
+    bus.publish(channels.model, whole.data(), static_cast<unsigned>(whole.size() - 1));
+  };
+
+  // even if they come first
+  View view({}, false);
+  for (int i = 0; i < 300 && count(view.errors(), "stranger") == 0; ++i)
+  {
+    publish_all();
+    std::this_thread::sleep_for(10ms);
+  }
+  const auto torqued = torqued_of("ck", folder);
+  REQUIRE(view.serves());
+  CHECK(view.robot() == "ck");
+  for (int i = 0; i < 3; ++i)
+  {
+    publish_all();
+    std::this_thread::sleep_for(2200ms); // so that torqued names its own again
+    CHECK(view.robot() == "ck");
+  }
+  const std::string errors = view.errors();
+  CAPTURE(errors);
+  CHECK(count(errors,
+              "stranger (model_id 17) is named on this bus, and not shown: torqued: its model message (model_id "
+              "17) describes no robot: ") == 1);
+  CHECK(count(errors, "?[31mred? (model_id 18) is named on this bus, and not shown: ") == 1);
+  CHECK(count(errors, "a message on TORQUED_MODEL, named \"heavy?[2J\", is passed over, as are others like it: "
+                      "total_mass is nan\n") == 1);
+  CHECK(std::none_of(errors.begin(), errors.end(), [](char c) { return c != '\n' && c < ' ' && c >= 0; }));
+
+  const model_info_t rk = model_info(load_robot("rk"), 1, 2, "");
+  bus.publish(channels.model, &rk);
+  CHECK(wait_for([&] { return view.robot() == "rk"; }));
+  view.process().signal(SIGTERM);
+  CHECK(view.process().wait() == 0);
+}
+
+TEST_CASE("view goes on with its robot when another one than --robot says is named", "[view_process]")
+{
+  const TemporaryFolder folder;
+  const auto torqued = torqued_of("ck", folder);
+  View view({"--robot", "ck"});
+  lcm::LCM bus;
+  const model_info_t rk = model_info(load_robot("rk"), 1, 2, "");
+  bus.publish(Channels().model, &rk);
+  CHECK(wait_for([&] { return view.errors().find("torqued computes rk") != std::string::npos; }));
+  CHECK(view.robot() == "ck");
+}
+
 } // namespace view_process_test
