@@ -25,10 +25,16 @@ double microseconds(LiveMotion::Clock::duration duration)
   return std::chrono::duration<double, std::micro>(duration).count();
 }
 
+// µs; defined whatever times a stranger makes up
+std::uint64_t elapsed(std::int64_t from, std::int64_t to)
+{
+  return static_cast<std::uint64_t>(to) - static_cast<std::uint64_t>(from);
+}
+
 } // namespace
 
 LiveMotion::LiveMotion(Robot robot, double seconds)
-    : robot_(std::move(robot)), length_(std::llround(1e6 * seconds)), path_(robot_)
+    : robot_(std::move(robot)), length_(static_cast<std::uint64_t>(std::llround(1e6 * seconds))), path_(robot_)
 {
 }
 
@@ -60,7 +66,7 @@ void LiveMotion::hear(const desired_state_t& desired, Clock::time_point now)
     state.q.tail<2>() = placed->base;
   }
   samples_.push_back({std::move(state), now, std::nullopt, {NAN, NAN}, ""});
-  while (samples_.back().state.utime - samples_.front().state.utime > length_ || samples_.size() > kMostSamples)
+  while (elapsed(samples_.front().state.utime, samples_.back().state.utime) > length_ || samples_.size() > kMostSamples)
     samples_.pop_front();
 }
 
@@ -78,6 +84,7 @@ void LiveMotion::hear(const torque_command_t& command, Clock::time_point now)
   if (!sample || command.model_id != robot_.model_id || command.num_joints != robot_.num_joints() ||
       command.num_coordinates != robot_.num_coordinates())
     return;
+  last_answer_ = now;
   sample->answer = to_answer(command);
   sample->time = {1e-3 * command.compute_ns, microseconds(now - sample->heard)};
 }
@@ -102,7 +109,7 @@ std::vector<ReportMotion> LiveMotion::window(Clock::time_point now) const
     return {};
   ReportMotion motion;
   motion.source = "live";
-  motion.start = 1e-6 * static_cast<double>(samples_.front().state.utime - *begin_);
+  motion.start = 1e-6 * static_cast<double>(elapsed(*begin_, samples_.front().state.utime));
   ReportRun& run = motion.runs.emplace_back();
   run.name = "torqued";
   for (auto sample = samples_.begin(); sample != end; ++sample)
@@ -114,6 +121,11 @@ std::vector<ReportMotion> LiveMotion::window(Clock::time_point now) const
       ++run.unanswered[sample->rejected.empty() ? "NO_ANSWER" : sample->rejected];
   }
   return {motion};
+}
+
+std::optional<double> LiveMotion::answer_age(Clock::time_point now) const
+{
+  return last_answer_ ? std::optional(std::chrono::duration<double>(now - *last_answer_).count()) : std::nullopt;
 }
 
 } // namespace torqued

@@ -41,6 +41,9 @@ public:
   /// The newest samples are left out while their answers may still come.
   std::vector<ReportMotion> window(Clock::time_point now) const;
 
+  /// s since the last answer to a sample was heard; nothing as long as none was.
+  std::optional<double> answer_age(Clock::time_point now) const;
+
 private:
   struct Sample
   {
@@ -53,9 +56,10 @@ private:
   Sample* find(std::int64_t stream_id, std::int64_t utime);
 
   Robot robot_;
-  std::int64_t length_; // µs
+  std::uint64_t length_; // µs
   std::deque<Sample> samples_;
   std::optional<std::int64_t> begin_; // utime of the stream's first sample
+  std::optional<Clock::time_point> last_answer_;
   WorldPath path_;
 };
 

@@ -440,11 +440,16 @@ std::string robot_document(const Robot& robot)
   return describe(robot).dump();
 }
 
-std::string report_document(const Robot& robot, const std::vector<ReportMotion>& motions, const Resolution& resolution)
+std::string report_document(const Robot& robot, const std::vector<ReportMotion>& motions, const Resolution& resolution,
+                            const std::optional<Liveness>& liveness)
 {
   Json document{{"robot", describe(robot)}, {"motions", Json::array()}};
   for (const ReportMotion& motion : motions)
     document["motions"].push_back(describe(robot, motion, resolution));
+  if (liveness)
+    document["liveness"] = {{"answer_age", liveness->answer_age ? Json(*liveness->answer_age) : Json()},
+                            {"status_age", liveness->status_age},
+                            {"stopping", liveness->stopping}};
   return document.dump();
 }
 

@@ -48,11 +48,19 @@ struct Resolution
   std::size_t stretches = 20'000;
 };
 
+/// How fresh a live motion is.
+struct Liveness
+{
+  std::optional<double> answer_age; ///< s since the last answer; nothing if none was heard
+  double status_age;                ///< s since torqued's last status or, if none was heard, since listening began
+  bool stopping = false;            ///< that status said that torqued was about to end
+};
+
 /// What the page shows, as JSON; page.js says how it is read.
 ///
 /// Numbers of a column are 32-bit floats (times: 64-bit), little-endian, in base64; NaN where there is none.
 std::string report_document(const Robot& robot, const std::vector<ReportMotion>& motions,
-                            const Resolution& resolution = {});
+                            const Resolution& resolution = {}, const std::optional<Liveness>& liveness = {});
 
 /// The robot's part of the document.
 std::string robot_document(const Robot& robot);

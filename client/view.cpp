@@ -1,5 +1,6 @@
 #include "client/bus.h"
 #include "client/live_motion.h"
+#include "client/old_messages.h"
 #include "client/page_server.h"
 #include "client/robot_choice.h"
 #include "client/subcommands.h"
@@ -57,6 +58,8 @@ public:
     const std::lock_guard lock(mutex_);
     motion_ = std::make_unique<LiveMotion>(std::move(robot), options_.seconds);
     model_ = model;
+    last_status_ = Clock::now();
+    stopping_ = false;
   }
   // of the thread that hears the bus
   const model_info_t& model() const { return model_; }
@@ -73,6 +76,15 @@ public:
     else
       motion_->hear(message, now);
   }
+  void hear_status(Bytes bytes)
+  {
+    status_t status;
+    if ((!decode(bytes, status) && !decode_old(bytes, status)) || status.model_id != model_.model_id)
+      return;
+    const std::lock_guard lock(mutex_);
+    last_status_ = Clock::now();
+    stopping_ = status.state == status_t::STOPPING;
+  }
 
   std::string page() const
   {
@@ -86,7 +98,10 @@ public:
     constexpr Resolution resolution{.frames = 1500, .stretches = 750};
     const auto now = Clock::now();
     const std::lock_guard lock(mutex_);
-    return report_document(motion_->robot(), motion_->window(now), resolution);
+    const Liveness liveness{.answer_age = motion_->answer_age(now),
+                            .status_age = std::chrono::duration<double>(now - last_status_).count(),
+                            .stopping = stopping_};
+    return report_document(motion_->robot(), motion_->window(now), resolution, liveness);
   }
 
 private:
@@ -94,6 +109,8 @@ private:
   model_info_t model_;
   mutable std::mutex mutex_;
   std::unique_ptr<LiveMotion> motion_;
+  Clock::time_point last_status_;
+  bool stopping_ = false;
 };
 
 // Model messages of robots that cannot be shown: each is told to the user once.
@@ -155,6 +172,7 @@ ExitCode view(const ViewOptions& options)
   bus.subscribe(channels.desired, [&view](Bytes bytes) { view.hear<desired_state_t>(bytes); });
   bus.subscribe(channels.command, [&view](Bytes bytes) { view.hear<torque_command_t>(bytes); });
   bus.subscribe(channels.rejected, [&view](Bytes bytes) { view.hear<rejection_t>(bytes); });
+  bus.subscribe(channels.status, [&view](Bytes bytes) { view.hear_status(bytes); });
   const PageServer server({{"/", "text/html; charset=utf-8",
                             [&view]
                             {

@@ -5,6 +5,8 @@
 #include "client/live_motion.h"
 
 #include <cmath>
+#include <cstdint>
+#include <limits>
 
 namespace live_motion_test
 {
@@ -185,6 +187,39 @@ TEST_CASE("what makes no sense for the robot is passed over", "[live_motion]")
   of_another.model_id += 1;
   live.hear(of_another, kStart);
   CHECK_FALSE(live.window(kStart + 1h).at(0).runs[0].answers[0]);
+}
+
+TEST_CASE("a live motion says how old its last answer is", "[live_motion]")
+{
+  LiveMotion live(load_robot("ck"), 1.0);
+  const auto states = walk(live.robot());
+  CHECK_FALSE(live.answer_age(kStart));
+  live.hear(states[0], kStart);
+  torque_command_t of_another = answer_to(states[0]);
+  of_another.model_id += 1;
+  live.hear(of_another, kStart + 1ms);
+  CHECK_FALSE(live.answer_age(kStart + 2ms));
+  live.hear(answer_to(states[0]), kStart + 3ms);
+  CHECK(std::abs(live.answer_age(kStart + 3s).value() - 2.997) < 1e-9);
+  live.hear(states[1], kStart + 2s); // and none to it
+  CHECK(std::abs(live.answer_age(kStart + 3s).value() - 2.997) < 1e-9);
+}
+
+TEST_CASE("a live motion takes any times", "[live_motion]")
+{
+  LiveMotion live(load_robot("ck"), 1.0);
+  auto states = walk(live.robot());
+  constexpr std::int64_t first = std::numeric_limits<std::int64_t>::min(),
+                         last = std::numeric_limits<std::int64_t>::max();
+  states[0].utime = first;
+  states[1].utime = last - 1;
+  states[2].utime = last;
+  for (const desired_state_t& state : {states[0], states[1], states[2]})
+    live.hear(state, kStart);
+  const auto shown = live.window(kStart + 1h).at(0);
+  REQUIRE(shown.states.size() == 2);
+  CHECK(shown.states[0].utime == last - 1);
+  CHECK(shown.start == 1e-6 * 0x1p64);
 }
 
 } // namespace live_motion_test

@@ -316,4 +316,54 @@ TEST_CASE("view goes on with its robot when another one than --robot says is nam
   CHECK(view.robot() == "ck");
 }
 
+TEST_CASE("view's document says how old the last answer is, and for how long torqued has been silent", "[view_process]")
+{
+  const TemporaryFolder folder;
+  const auto torqued = torqued_of("ck", folder);
+  View view;
+  const auto liveness = [&]
+  {
+    return view.document()["liveness"];
+  };
+  const auto status_age = [&]
+  {
+    return liveness()["status_age"].get<double>();
+  };
+  CHECK(liveness()["answer_age"].is_null());
+  CHECK(wait_for([&] { return status_age() < 0.5; }));
+  CHECK(liveness()["stopping"] == false);
+
+  const std::string walk = folder.file("walk.csv");
+  REQUIRE(Process({TORQUECTL, "gait", "--robot", "ck", "--steps", "1", "-o", walk}, folder.file("gait")).wait() == 0);
+  Process send({TORQUECTL, "send", "--loop", walk}, folder.file("send"));
+  CHECK(wait_for([&] { return liveness()["answer_age"].is_number() && liveness()["answer_age"] < 0.5; }));
+  send.signal(SIGINT);
+  send.wait();
+  const double age = liveness()["answer_age"].get<double>();
+  std::this_thread::sleep_for(1s);
+  CHECK(liveness()["answer_age"].get<double>() >= age + 0.8);
+  CHECK(wait_for([&] { return status_age() < 0.5; }));
+
+  torqued->signal(SIGSTOP);
+  CHECK(wait_for([&] { return status_age() > 1.5; }));
+  CHECK(liveness()["stopping"] == false);
+  torqued->signal(SIGCONT);
+  CHECK(wait_for([&] { return status_age() < 0.5; }));
+
+  // another robot's daemon does not speak for this one
+  lcm::LCM bus;
+  status_t other{};
+  other.model_id = 5;
+  torqued->signal(SIGTERM);
+  CHECK(wait_for([&] { return liveness()["stopping"] == true; }));
+  torqued->wait();
+  CHECK(wait_for(
+      [&]
+      {
+        bus.publish(Channels().status, &other);
+        return status_age() > 1.5;
+      }));
+  CHECK(liveness()["stopping"] == true);
+}
+
 } // namespace view_process_test

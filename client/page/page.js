@@ -3,7 +3,8 @@
 //
 // The document (report_page.h): robot {links, joints, feet}; motions, each with times and poses by frame and the runs that
 // answered it. A run's columns are `frames` by name and, of a motion too long to be held whole, `curves`: the least and
-// the largest value of each stretch, at the times `curve_time`.
+// the largest value of each stretch, at the times `curve_time`. Of view also `liveness`: the ages, in s, of the last answer
+// and of torqued's last status, and whether that said that torqued was stopping.
 'use strict';
 (() => {
   const byId = id => document.getElementById(id);
@@ -678,16 +679,20 @@
   // ---- live: what is shown is the last seconds, a little late so that it runs smoothly ----
 
   const LATE = 0.35; // s
-  let following = false, lastFrame = null, timer = 0;
+  const AGED = 1;    // s, from which on an age is told
+  let following = false, lastFrame = null;
+  let liveness = null, heardAt = performance.now(); // of the last document
   const fetchLast = async () => {
-    if (!following) return;
     let heard = null;
     try {
-      heard = await (await fetch('document', {cache: 'no-store'})).json();
+      heard = await (await fetch('document', {cache: 'no-store', signal: AbortSignal.timeout(5000)})).json();
+      ({liveness} = heard);
+      heardAt = performance.now();
     } catch {
-      byId('summary').textContent = `${robot.name} · torquectl view is gone; this page goes on when it is back`;
+      // warn() tells how long there has been no document
     }
-    if (heard && JSON.stringify(heard.robot) !== JSON.stringify(robot)) { location.reload(); return; }
+    warn();
+    if (heard && following && JSON.stringify(heard.robot) !== JSON.stringify(robot)) { location.reload(); return; }
     if (heard && heard.motions.length > 0 && following) {
       const first = motions.length === 0;
       const closer = view[1] - view[0] < end - begin ? view[1] - view[0] : Infinity;
@@ -697,7 +702,25 @@
       if (Math.abs(now - (end - LATE)) > 0.5) now = end - LATE;
       refresh();
     }
-    timer = setTimeout(fetchLast, 250);
+    setTimeout(fetchLast, following ? 250 : 500);
+  };
+  // tells why what is shown is not what happens now
+  const warn = () => {
+    const since = (performance.now() - heardAt) / 1000;
+    const seconds = age => `${age.toFixed(age < 10 ? 1 : 0)} s`;
+    const warnings = [];
+    if (since > AGED) {
+      warnings.push(`torquectl view has not answered for ${seconds(since)}; this page goes on when it is back`);
+    } else if (liveness) {
+      const status = liveness.status_age + since;
+      if (liveness.stopping) warnings.push(`torqued ended ${seconds(status)} ago`);
+      else if (status > AGED) warnings.push(`torqued has been silent for ${seconds(status)}: stopped, killed, or cut off from this bus`);
+      const answer = liveness.answer_age === null ? null : liveness.answer_age + since;
+      if (answer > AGED) warnings.push(`last answer ${seconds(answer)} ago`);
+      else if (answer === null && motions.length > 0) warnings.push('no answer so far');
+    }
+    byId('warning-text').textContent = warnings.join(' · ');
+    byId('warning').hidden = warnings.length === 0;
   };
   const flow = stamp => {
     if (!following) return;
@@ -714,8 +737,6 @@
     lastFrame = null;
     byId('play').textContent = on ? 'Freeze' : 'Live';
     if (on) {
-      clearTimeout(timer);
-      fetchLast();
       requestAnimationFrame(flow);
     }
   };
@@ -850,6 +871,8 @@
     byId('pace').hidden = true;
     byId('summary').textContent = `${robot.name} · nothing heard yet: waiting for desired states`;
     setFollowing(true);
+    fetchLast();
+    setInterval(warn, 250);
   } else {
     load(report);
     begun();

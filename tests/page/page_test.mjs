@@ -273,10 +273,54 @@ test('view shows the last seconds of what is sent, live, until it is frozen', as
     await page.click('#play');
     page.removeAllListeners('console'); // what the browser says of the lost connection is no complaint of ours
     assert.equal(await stop(view), 0);
-    await page.waitForFunction(() => /torquectl view is gone/.test(document.getElementById('summary').textContent));
+    await page.waitForFunction(() => /^torquectl view has not answered for \d+(\.\d)? s; this page goes on/.test(document.getElementById('warning').textContent));
     await page.close();
   } finally {
     for (const child of started) await stop(child);
+  }
+});
+
+test('view says when torqued is silent, when the last answer is old, and when view itself does not answer', async () => {
+  const started = [];
+  const start = (program, words) => {
+    const child = spawn(program, words, {stdio: ['ignore', 'pipe', 'ignore']});
+    started.push(child);
+    return child;
+  };
+  try {
+    const torqued = start(TORQUED, ['--robot', 'rk']);
+    const view = start(TORQUECTL, ['view', '--port', '0', '--seconds', '3']);
+    const url = String((await once(view.stdout, 'data'))[0]).match(/http:[^ ]+/)[0];
+    const send = start(TORQUECTL, ['send', '--loop', file('rk.csv')]);
+    const page = await open('view', {url});
+    const says = wanted => page.waitForFunction(pattern => {
+      const warning = document.getElementById('warning');
+      return pattern === null ? warning.hidden : !warning.hidden && new RegExp(pattern).test(warning.textContent);
+    }, wanted);
+    await says(null);
+    torqued.kill('SIGSTOP');
+    await says('^torqued has been silent for [1-9]\\d*\\.\\d s: stopped, killed, or cut off from this bus · last answer [1-9]\\d*\\.\\d s ago$');
+    await page.screenshot({path: join(PICTURES, 'view-silent.png')});
+    await page.evaluate(axe);
+    assert.deepEqual((await page.evaluate(() => axe.run())).violations.map(({id}) => id), []);
+    torqued.kill('SIGCONT');
+    await says(null);
+    send.kill('SIGINT');
+    await says('^last answer [1-9]\\d*\\.\\d s ago$');
+    await page.click('#play'); // what is frozen says so, too
+    torqued.kill('SIGTERM');
+    await says('^torqued ended \\d+\\.\\d s ago · last answer');
+    view.kill('SIGSTOP'); // then it accepts connections, and says nothing
+    await says('^torquectl view has not answered for [1-9]\\d*\\.\\d s; this page goes on when it is back$');
+    view.kill('SIGCONT');
+    await says('^torqued ended');
+    await page.close();
+  } finally {
+    for (const child of started) {
+      if (child.exitCode !== null || child.signalCode !== null) continue;
+      child.kill('SIGKILL');
+      await once(child, 'exit');
+    }
   }
 });
 
