@@ -225,11 +225,13 @@ Subcommand add_view(CLI::App& torquectl)
   add_robot_option(*app, options->robot, "default: the one that torqued computes");
   add_prefix_option(*app, options->prefix);
   add_bus_option(*app, options->lcm_url);
-  app->footer("The page is served to this machine alone.\n\n"
-              "Example, while torqued runs on this bus:\n"
-              "  export LCM_DEFAULT_URL='udpm://239.255.76.67:7667?ttl=0'\n"
-              "  torquectl view &\n"
-              "  torquectl send --loop client/trajectories/subject01-walk/walk.csv");
+  app->footer(
+      "The page is served to this machine alone. In red it says when the last answer is older than a second, when\n"
+      "torqued is silent or has ended, and when this program does not answer.\n\n"
+      "Example, while torqued runs on this bus:\n"
+      "  export LCM_DEFAULT_URL='udpm://239.255.76.67:7667?ttl=0'\n"
+      "  torquectl view &\n"
+      "  torquectl send --loop client/trajectories/subject01-walk/walk.csv");
   return {app, [options]
           {
             return view(*options);
