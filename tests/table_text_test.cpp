@@ -321,9 +321,10 @@ TEST_CASE("units beside the names or below them are honoured", "[table_text]")
       CHECK_THAT(names.factors[i], Catch::Matchers::WithinRel(factors[i], 1e-15));
     REQUIRE(!names.assumptions.empty());
     CHECK(names.assumptions.back() ==
-          fmt::format("units are converted: time from ms, q0 from deg, dq0 from {}, x from mm, dx from {}, phase from "
-                      "%, FxL from kN",
-                      text.find("deg/sec") != std::string::npos ? "deg/sec" : "deg/s",
+          fmt::format("units are converted: time from ms, q0 from {0}, dq0 from {0}{1}, x from mm, dx from {2}, phase "
+                      "from %, FxL from kN",
+                      text.find("\xc2\xb0") != std::string::npos ? "\xc2\xb0" : "deg",
+                      text.find("deg/sec") != std::string::npos ? "/sec" : "/s",
                       text.find("s^-1") != std::string::npos ? "cm s^-1" : "cm/s"));
   }
   CHECK(names_of("time (s),q0 (rad),utime (us)\n").assumptions.empty());
