@@ -3,6 +3,7 @@
 #include "client/failure.h"
 #include "client/subcommands.h"
 #include "robot/printable.h"
+#include "wire/bus_url.h"
 
 #include <algorithm>
 #include <fmt/format.h>
@@ -43,9 +44,19 @@ sigset_t hold_back_stop_signals()
   return mask_before;
 }
 
+// What to say when the bus does not work. A log may be listened to.
+std::string judge(const std::string& url)
+{
+  const ChosenBus bus = choose_bus(url, "--lcm-url");
+  const bool is_log = fault_of(bus).empty() && read_bus_url(bus.url).provider == BusUrl::Provider::file;
+  if (const std::string fault = is_log ? "" : fault_between_processes(bus); !fault.empty())
+    throw Failure(ExitCode::no_bus, fmt::format("the LCM bus cannot be opened: {}", fault));
+  return bus_trouble(url, "--lcm-url");
+}
+
 } // namespace
 
-Bus::Bus(const std::string& url) : mask_while_waiting_(hold_back_stop_signals()), trouble_(bus_trouble(url)), lcm_(url)
+Bus::Bus(const std::string& url) : mask_while_waiting_(hold_back_stop_signals()), trouble_(judge(url)), lcm_(url)
 {
   if (!lcm_.good())
     throw Failure(ExitCode::no_bus, fmt::format("the LCM bus cannot be opened: {}", trouble_));

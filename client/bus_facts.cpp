@@ -14,7 +14,6 @@
 #include <poll.h>
 #include <random>
 #include <set>
-#include <stdexcept>
 #include <sys/socket.h>
 #include <unistd.h>
 
@@ -184,6 +183,26 @@ void look_at_message(const BusUrl& url, BusFacts& facts)
   }
 }
 
+// Greets the bus's server as LCM does, and waits for its greeting for a second.
+void look_at_server(const BusUrl& url, BusFacts& facts)
+{
+  const int fd = socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
+  const timeval patience{1, 0};
+  setsockopt(fd, SOL_SOCKET, SO_SNDTIMEO, &patience, sizeof(patience)); // connect() heeds it, too
+  setsockopt(fd, SOL_SOCKET, SO_RCVTIMEO, &patience, sizeof(patience));
+  const sockaddr_in address = socket_address(inet_addr(url.address.c_str()), url.port);
+  const std::string greeting("\x28\x76\x17\xfb\x00\x00\x01\x00", 8), expected("\x28\x76\x17\xfa", 4);
+  std::array<char, 8> answer{};
+  if (connect(fd, reinterpret_cast<const sockaddr*>(&address), sizeof(address)) != 0)
+    facts.socket_trouble = errno == EINPROGRESS ? "nobody takes the connection" : std::strerror(errno);
+  else if (send(fd, greeting.data(), greeting.size(), MSG_NOSIGNAL) < 0 ||
+           recv(fd, answer.data(), answer.size(), MSG_WAITALL) < static_cast<ssize_t>(answer.size()) ||
+           std::string(answer.data(), expected.size()) != expected)
+    facts.socket_trouble = "what listens there is no server of LCM's";
+  facts.came_back = facts.socket_trouble.empty();
+  close(fd);
+}
+
 // Fills a buffer like that of LCM's sockets with messages of the size of ours, and counts them.
 void look_at_buffer(const BusUrl& url, BusFacts& facts)
 {
@@ -211,19 +230,15 @@ void look_at_buffer(const BusUrl& url, BusFacts& facts)
 BusFacts look_at_bus(const std::string& lcm_url)
 {
   BusFacts facts;
-  const char* const preset = std::getenv("LCM_DEFAULT_URL");
-  const bool has_preset = preset != nullptr && *preset != '\0';
-  facts.url = !lcm_url.empty() ? lcm_url : has_preset ? preset : "";
-  facts.set_by = !lcm_url.empty() ? "--lcm-url" : has_preset ? "LCM_DEFAULT_URL" : "";
+  facts.bus = choose_bus(lcm_url, "--lcm-url");
   facts.lcm_version = fmt::format("{}.{}.{}", LCM_MAJOR_VERSION, LCM_MINOR_VERSION, LCM_MICRO_VERSION);
   facts.is_root = geteuid() == 0;
-  BusUrl url;
-  try
+  if (!fault_between_processes(facts.bus).empty())
+    return facts;
+  const BusUrl url = read_bus_url(facts.bus.url);
+  if (url.provider == BusUrl::Provider::tcpq)
   {
-    url = read_bus_url(facts.url);
-  }
-  catch (const std::invalid_argument&)
-  {
+    look_at_server(url, facts);
     return facts;
   }
   look_at_interfaces(url, facts);

@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <fmt/format.h>
 #include <set>
-#include <stdexcept>
 
 namespace torqued
 {
@@ -19,9 +18,9 @@ constexpr const char* kWithinThisMachine =
 // What to type so that this bus is meant.
 std::string set_url(const BusFacts& facts, const BusUrl& url)
 {
-  return fmt::format("{}'udpm://{}:{}?ttl={}'",
-                     facts.set_by == "--lcm-url" ? "torquectl doctor --lcm-url " : "export LCM_DEFAULT_URL=",
-                     url.address, url.port, url.ttl);
+  return fmt::format("{}'{}://{}:{}?ttl={}'",
+                     facts.bus.set_by == "--lcm-url" ? "torquectl doctor --lcm-url " : "export LCM_DEFAULT_URL=",
+                     url.provider == BusUrl::Provider::mpudpm ? "mpudpm" : "udpm", url.address, url.port, url.ttl);
 }
 
 const Interface* find(const BusFacts& facts, const std::string& name)
@@ -62,10 +61,10 @@ public:
 
   std::vector<Finding> run()
   {
-    judge_ttl();
-    if (judge_interface() && judge_socket())
-      judge_message();
-    judge_buffer();
+    if (url_.provider == BusUrl::Provider::tcpq)
+      judge_server();
+    else
+      judge_multicast();
     judge_daemons();
     say(Finding::Grade::good, fmt::format("torquectl was built with LCM {}", facts_.lcm_version));
     return std::move(findings_);
@@ -79,10 +78,30 @@ private:
     findings_.push_back({grade, std::move(text), std::move(mend)});
   }
 
+  std::string who() const { return facts_.bus.set_by.empty() ? "by default" : "by " + facts_.bus.set_by; }
+
+  void judge_server()
+  {
+    const std::string bus =
+        fmt::format("{}, the bus is the server of LCM's at {} port {}", who(), url_.address, url_.port);
+    if (facts_.socket_trouble.empty())
+      say(Grade::good, bus + ", and it answers");
+    else
+      say(Grade::bad, fmt::format("{}, and it does not answer: {}", bus, facts_.socket_trouble),
+          fmt::format("java -cp /usr/share/java/lcm.jar lcm.lcm.TCPService {}", url_.port));
+  }
+
+  void judge_multicast()
+  {
+    judge_ttl();
+    if (judge_interface() && judge_socket())
+      judge_message();
+    judge_buffer();
+  }
+
   void judge_ttl()
   {
-    const std::string who = facts_.set_by.empty() ? "by default" : "by " + facts_.set_by;
-    const std::string bus = fmt::format("{}, the bus is {} port {}, ttl {}", who, url_.address, url_.port, url_.ttl);
+    const std::string bus = fmt::format("{}, the bus is {} port {}, ttl {}", who(), url_.address, url_.port, url_.ttl);
     if (url_.ttl == 0)
       say(Grade::good, bus + ": it stays within this machine");
     else if (url_.ttl == 1)
@@ -225,15 +244,9 @@ private:
 
 std::vector<Finding> diagnose(const BusFacts& facts)
 {
-  try
-  {
-    return Diagnosis(facts, read_bus_url(facts.url)).run();
-  }
-  catch (const std::invalid_argument& error)
-  {
-    return {{Finding::Grade::bad, fmt::format("{}: {}", facts.set_by.empty() ? "the bus" : facts.set_by, error.what()),
-             set_url(facts, BusUrl())}};
-  }
+  if (const std::string fault = fault_between_processes(facts.bus); !fault.empty())
+    return {{Finding::Grade::bad, fault, set_url(facts, BusUrl())}};
+  return Diagnosis(facts, read_bus_url(facts.bus.url)).run();
 }
 
 } // namespace torqued

@@ -27,14 +27,14 @@ struct DroppingChain
 /// What was found out about a bus on this machine.
 struct BusFacts
 {
-  std::string url;     ///< empty: LCM's default
-  std::string set_by;  ///< "--lcm-url", "LCM_DEFAULT_URL"; empty: nobody, it is the default
+  ChosenBus bus;
   bool has_ip = false; ///< whether the program ip is here, which knows interfaces and route
   std::vector<Interface> interfaces;
   std::string route;          ///< name of the interface to which the bus's address leads; empty: none does
-  std::string socket_trouble; ///< why no socket could be opened, bound or joined to the address; empty: it could
+  std::string socket_trouble; ///< why no socket could be opened, bound or joined to the address, or the bus's server
+                              ///< did not answer; empty: it could
   std::string send_trouble;   ///< why no message could be sent; empty: it could
-  bool came_back = false;     ///< whether that message came back
+  bool came_back = false;     ///< whether that message came back, or the server answered
   bool is_root = false;
   std::optional<std::vector<DroppingChain>> firewall; ///< nothing: nft is not here, or shows this user nothing
   int buffer_size = 0;     ///< bytes that the system grants a socket of LCM's, as SO_RCVBUF counts them

@@ -77,7 +77,7 @@ std::string nobody(const StatusOptions& options)
   return fmt::format("no daemon is heard on {}; is torqued running on this bus and network? torquectl doctor looks for "
                      "what is wrong. Here {}",
                      options.prefix ? Channels(*options.prefix).status : "TORQUED_STATUS, with or without a prefix",
-                     bus_trouble(options.lcm_url));
+                     bus_trouble(options.lcm_url, "--lcm-url"));
 }
 
 // Hears for a second, for the rates, and longer where a daemon has not yet said which robot it computes, every two

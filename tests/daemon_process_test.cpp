@@ -183,7 +183,7 @@ TEST_CASE("a start that cannot succeed ends with one clear line and its exit cod
       {{"--config", folder.file("no.toml")}, 78, "no.toml: cannot be read: No such file or directory\n"},
       {{"--robot", "ck", "--lcm-url", "nothing://"},
        69,
-       "torqued: the LCM bus cannot be opened: lcm_url is \"nothing://\""},
+       "torqued: the LCM bus cannot be opened: --lcm-url is \"nothing://\": LCM knows no \"nothing\"; expected udpm"},
   };
   for (const Row& row : rows)
   {
@@ -192,6 +192,48 @@ TEST_CASE("a start that cannot succeed ends with one clear line and its exit cod
     CHECK(code == row.code);
     CHECK(output.find(row.says) != std::string::npos);
   }
+}
+
+TEST_CASE("a bus whose URL leads nowhere is refused at once, with who set it and what would be right",
+          "[daemon_process]")
+{
+  const TemporaryFolder folder;
+  struct Row
+  {
+    std::string url, says;
+  };
+  const std::vector<Row> rows{
+      {"memq://", "such a bus stays within this process, where nobody else hears it; expected udpm://"},
+      {"file://" + folder.write("walk.lcm", ""), "such a bus replays a log, or writes one"},
+      {"udpm://239.255.76.67", "the port is missing; expected udpm://239.255.76.67:7667 or the like\n"},
+      {"udpm://239.255.76.67:0", "the port is \"0\"; expected a whole number from 1 to 65535\n"},
+      {"udpm://10.0.0.1:7667", "the address \"10.0.0.1\" is no group of IPv4 multicast; expected one from 224.0.0.0"},
+      {"udpm://239.255.76.67:7667?ttl=300", "ttl is \"300\"; expected a whole number from 0 to 255\n"},
+      {"udpm://239.255.76.67:7667?recv_buf_size=2M", "recv_buf_size is \"2M\"; expected a whole number"},
+      {"udpm://239.255.76.67:7667?tll=0", "LCM knows no option \"tll\"; expected ttl or recv_buf_size\n"},
+      {"tcpq://127.0.0.1:1", "No server of LCM's answers at 127.0.0.1 port 1: start one there"},
+  };
+  const auto began = std::chrono::steady_clock::now();
+  for (const Row& row : rows)
+  {
+    const std::string file = folder.write("c.toml", fmt::format("robot = \"ck\"\nlcm_url = \"{}\"\n", row.url));
+    const std::vector<std::pair<std::string, std::vector<std::string>>> ways{
+        {"LCM_DEFAULT_URL", {"env", "LCM_DEFAULT_URL=" + row.url, TORQUED, "--robot", "ck"}},
+        {"--lcm-url", {TORQUED, "--robot", "ck", "--lcm-url", row.url}},
+        {"lcm_url in " + file, {TORQUED, "--config", file}}};
+    for (const auto& [set_by, command] : ways)
+    {
+      Process torqued(command, folder.file("output"));
+      const std::optional<int> code = torqued.wait();
+      const std::string output = read_file(folder.file("output"));
+      CAPTURE(command, output);
+      CHECK(code == 69);
+      CHECK(output.find(fmt::format("{} is \"{}\"", set_by, row.url)) != std::string::npos);
+      CHECK(output.find(row.says) != std::string::npos);
+    }
+  }
+  // LCM would search for ten seconds, twice, where it finds no port
+  CHECK(std::chrono::steady_clock::now() - began < std::chrono::seconds(10 * rows.size()));
 }
 
 TEST_CASE("help, version and the printed configuration come without a bus", "[daemon_process]")

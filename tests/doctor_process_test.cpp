@@ -112,7 +112,9 @@ TEST_CASE("the doctor finds what is wrong with a machine's bus, and its commands
       {"udpm://239.255.76.67:7667?ttl=5",
        std::string(kWire) + " && ip link set wire up && ip route add default dev wire", "it passes routers", false},
       {"udpm://239.255.76.67:7667?tll=0", kBus, "LCM knows no option \"tll\"", true},
-      {"memq://", kBus, "leads from process to process by no network", true},
+      {"udpm://239.255.76.67", kBus, "the port is missing", true},
+      {"udpm://239.255.76.67:7667?ttl=300", kBus, "ttl is \"300\"", true},
+      {"memq://", kBus, "stays within this process, where nobody else hears it", true},
       {kWithin, kBus + (" && " + nft) + "input priority 0; policy drop; }'", "did not come back", true},
       {kWithin, kBus + (" && " + nft) + "input priority 0; }' && nft add rule inet own in udp dport 7667 drop",
        "did not come back: the firewall is in its way, of which drop packets: inet own in", true},
@@ -135,6 +137,47 @@ TEST_CASE("the doctor finds what is wrong with a machine's bus, and its commands
     CHECK_FALSE(contains(after, "WRONG"));
     CHECK_FALSE(contains(after, cases[i].finding));
   }
+}
+
+TEST_CASE("of a bus by LCM's server the doctor says whether that answers", "[doctor_process]")
+{
+  const auto doctor = [](int port)
+  {
+    return run({TORQUECTL, "doctor", "--lcm-url", fmt::format("tcpq://127.0.0.1:{}", port)});
+  };
+  const Said nobody = doctor(1);
+  CAPTURE(nobody.text);
+  CHECK(nobody.code == 1);
+  CHECK(contains(nobody.text, "WRONG by --lcm-url, the bus is the server of LCM's at 127.0.0.1 port 1, and it does not "
+                              "answer: Connection refused\n      $ java -cp"));
+  // what takes connections and says nothing
+  const int silent = socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
+  sockaddr_in address{};
+  address.sin_family = AF_INET;
+  address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+  socklen_t length = sizeof(address);
+  REQUIRE(bind(silent, reinterpret_cast<sockaddr*>(&address), length) == 0);
+  REQUIRE(listen(silent, 1) == 0);
+  REQUIRE(getsockname(silent, reinterpret_cast<sockaddr*>(&address), &length) == 0);
+  const Said other = doctor(ntohs(address.sin_port));
+  CAPTURE(other.text);
+  CHECK(other.code == 1);
+  CHECK(contains(other.text, "what listens there is no server of LCM's"));
+  // and LCM's own
+  Process server({"java", "-cp", "/usr/share/java/lcm.jar", "lcm.lcm.TCPService", "7702"}, "/dev/null");
+  Said said = doctor(7702);
+  for (int i = 0; i < 20 && contains(said.text, "Connection refused"); ++i)
+  {
+    std::this_thread::sleep_for(200ms);
+    said = doctor(7702);
+  }
+  server.signal(SIGTERM);
+  server.wait();
+  CAPTURE(said.text);
+  CHECK(said.code == 0);
+  CHECK(contains(said.text, "port 7702, and it answers"));
+  CHECK(contains(said.text, "note  no daemon is heard on this bus"));
+  close(silent);
 }
 
 TEST_CASE("the doctor names a port that another program keeps for itself", "[doctor_process]")

@@ -201,8 +201,9 @@ TEST_CASE("without a bus, and without a daemon, each subcommand that needs one s
     const Run ended = run(words);
     CAPTURE(words, ended.output);
     CHECK(ended.code == 69);
-    CHECK(ended.output.find("torquectl: the LCM bus cannot be opened: lcm_url is \"nonsense://\". A bus within one "
-                            "machine is udpm://239.255.76.67:7667?ttl=0 and needs: sudo ip link") != std::string::npos);
+    CHECK(ended.output.find("torquectl: the LCM bus cannot be opened: --lcm-url is \"nonsense://\": LCM knows no "
+                            "\"nonsense\"; expected udpm://239.255.76.67:7667?ttl=0 or the like\n") !=
+          std::string::npos);
   }
   const TemporaryFolder folder;
   std::vector<std::unique_ptr<Process>> waiting; // each waits some seconds

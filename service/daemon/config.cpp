@@ -230,6 +230,7 @@ Config read_config(std::string_view text, const std::string& file)
   Config config;
   config.robot = read_plain(table, "robot", config.robot);
   config.lcm_url = read_plain(table, "lcm_url", config.lcm_url);
+  config.lcm_url_set_by = "lcm_url in " + file;
   read_word(table, "prefix", config, set_prefix);
   config.every_sample = table.boolean("every_sample", config.every_sample);
   config.max_age = read_duration(table, "max_age", 1.0, config.max_age);

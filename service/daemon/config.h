@@ -12,12 +12,13 @@ namespace torqued
 /// methods: `method` names the default one, and a table named after a method, [linear_transition], sets it.
 struct Config
 {
-  std::string robot;         ///< a robot that ships, or a file's path; empty: none is said
-  std::string lcm_url;       ///< empty: LCM's own default, which heeds LCM_DEFAULT_URL
-  std::string prefix;        ///< stands before each channel's name
-  bool every_sample = false; ///< answer all samples in order instead of the newest
-  double max_age = 0.020;    ///< s
-  double deadline = 0.001;   ///< s, arrival to publish
+  std::string robot;                      ///< a robot that ships, or a file's path; empty: none is said
+  std::string lcm_url;                    ///< empty: LCM's own default, which heeds LCM_DEFAULT_URL
+  std::string lcm_url_set_by = "lcm_url"; ///< who sets it, for complaints: "lcm_url in FILE"
+  std::string prefix;                     ///< stands before each channel's name
+  bool every_sample = false;              ///< answer all samples in order instead of the newest
+  double max_age = 0.020;                 ///< s
+  double deadline = 0.001;                ///< s, arrival to publish
   std::string log_level = "info";
   AnswerSettings answers;
 };

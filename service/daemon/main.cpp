@@ -3,7 +3,7 @@
 #include "daemon/lcm_receiver.h"
 #include "daemon/multicast_receiver.h"
 #include "robot/strict_toml.h"
-#include "wire/messages.h"
+#include "wire/bus_url.h"
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
@@ -21,6 +21,7 @@
 #include <spdlog/spdlog.h>
 #include <sys/eventfd.h>
 #include <sysexits.h>
+#include <system_error>
 #include <systemd/sd-daemon.h>
 #include <thread>
 
@@ -96,7 +97,11 @@ std::optional<Config> configure(int argc, char** argv)
     }
   };
   config.robot = robot.value_or(config.robot);
-  config.lcm_url = lcm_url.value_or(config.lcm_url);
+  if (lcm_url)
+  {
+    config.lcm_url = *lcm_url;
+    config.lcm_url_set_by = "--lcm-url";
+  }
   set("--method", set_method, method);
   set("--prefix", set_prefix, prefix);
   set("--log-level", set_log_level, log_level);
@@ -149,17 +154,18 @@ std::string without_torque_limit(const Robot& robot)
 }
 
 // Multicast is heard by a socket of our own, every other kind of bus by LCM's library.
-std::unique_ptr<Receiver> open_receiver(lcm::LCM& bus, const std::string& lcm_url)
+std::unique_ptr<Receiver> open_receiver(lcm::LCM& bus, const Config& config)
 try
 {
-  const std::string url = effective_bus_url(lcm_url);
-  if (url.empty() || url.starts_with("udpm://"))
-    return std::make_unique<MulticastReceiver>(read_bus_url(url));
+  const BusUrl url = read_bus_url(choose_bus(config.lcm_url, config.lcm_url_set_by).url);
+  if (url.provider == BusUrl::Provider::udpm)
+    return std::make_unique<MulticastReceiver>(url);
   return std::make_unique<LcmReceiver>(bus);
 }
-catch (const std::exception& error)
+catch (const std::system_error& error)
 {
-  throw Exit{EX_UNAVAILABLE, fmt::format("the LCM bus cannot be heard: {}; {}", error.what(), bus_trouble(lcm_url))};
+  throw Exit{EX_UNAVAILABLE, fmt::format("the LCM bus cannot be heard: {}; {}", error.code().message(),
+                                         bus_trouble(config.lcm_url, config.lcm_url_set_by))};
 }
 
 int serve(const Config& config)
@@ -175,10 +181,14 @@ int serve(const Config& config)
   const auto log = spdlog::create_async_nb<spdlog::sinks::stderr_color_sink_mt>("torqued");
   log->set_level(spdlog::level::from_str(config.log_level));
 
+  if (const std::string fault = fault_between_processes(choose_bus(config.lcm_url, config.lcm_url_set_by));
+      !fault.empty())
+    throw Exit{EX_UNAVAILABLE, fmt::format("the LCM bus cannot be opened: {}", fault)};
+  const std::string trouble = bus_trouble(config.lcm_url, config.lcm_url_set_by);
   lcm::LCM bus(config.lcm_url);
   if (!bus.good())
-    throw Exit{EX_UNAVAILABLE, fmt::format("the LCM bus cannot be opened: {}", bus_trouble(config.lcm_url))};
-  const std::unique_ptr<Receiver> receiver = open_receiver(bus, config.lcm_url);
+    throw Exit{EX_UNAVAILABLE, fmt::format("the LCM bus cannot be opened: {}", trouble)};
+  const std::unique_ptr<Receiver> receiver = open_receiver(bus, config);
   LcmLoop loop(
       bus, *receiver, robot, config, *log,
       {.dropped_logs = [pool = spdlog::thread_pool()] { return static_cast<std::int64_t>(pool->overrun_counter()); },
@@ -191,8 +201,8 @@ int serve(const Config& config)
   {
     if (pollfd stop{stop_fd, POLLIN, 0}; poll(&stop, 1, 0) > 0)
       return EX_OK;
-    throw Exit{EX_UNAVAILABLE, fmt::format("the LCM bus does not carry messages, not even to this process itself: {}",
-                                           bus_trouble(config.lcm_url))};
+    throw Exit{EX_UNAVAILABLE,
+               fmt::format("the LCM bus does not carry messages, not even to this process itself: {}", trouble)};
   }
   log->info("answering {} on {}TORQUED_DESIRED, {:.1f} kg, {} joints, method {}", robot.name, config.prefix,
             robot.mechanism.mass(), robot.num_joints(), name_of(config.answers.methods.method));

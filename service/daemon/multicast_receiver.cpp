@@ -107,7 +107,7 @@ MulticastReceiver::MulticastReceiver(const BusUrl& url)
     address.sin_port = htons(static_cast<std::uint16_t>(url.port));
     inet_pton(AF_INET, url.address.c_str(), &address.sin_addr);
     set(fd_, SOL_SOCKET, SO_REUSEADDR, 1); // others on this machine listen, too
-    set(fd_, SOL_SOCKET, SO_RCVBUF, url.buffer_size.value_or(kBuffer));
+    set(fd_, SOL_SOCKET, SO_RCVBUF, url.buffer_size.value_or(0) > 0 ? *url.buffer_size : kBuffer);
     set(fd_, SOL_SOCKET, SO_RXQ_OVFL, 1);
     int room = 0;
     socklen_t size = sizeof room;

@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdlib>
 #include <set>
 #include <string>
 #include <utility>
@@ -147,19 +146,6 @@ bool decode(Bytes bytes, dynamics_t& message)
   cursor.skip(8 * (n * (2 * n + 3 + joints) + rows * (n + 1) + parameters * (n + 1)));
   cursor.skip(8 * (reduced * (2 * n + 2 * reduced + 1 + joints) + n * multipliers));
   return decode_checked(bytes, cursor, message);
-}
-
-std::string bus_trouble(const std::string& lcm_url)
-{
-  const char* preset = std::getenv("LCM_DEFAULT_URL");
-  std::string trouble = "neither --lcm-url nor LCM_DEFAULT_URL is set, so LCM's default was tried";
-  if (!lcm_url.empty())
-    trouble = "lcm_url is \"" + lcm_url + "\"";
-  else if (preset)
-    trouble = std::string("LCM_DEFAULT_URL is \"") + preset + "\"";
-  trouble += ". A bus within one machine is udpm://239.255.76.67:7667?ttl=0 and needs: "
-             "sudo ip link set lo up multicast on; sudo ip route add 224.0.0.0/4 dev lo";
-  return trouble;
 }
 
 } // namespace torqued

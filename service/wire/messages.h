@@ -4,6 +4,8 @@
 /// allocate gigabytes or read past its end. Everything here checks fingerprint, counts and exact size first.
 #pragma once
 
+#include "wire/bus_url.h"
+
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -68,9 +70,5 @@ inline Bytes received_bytes(const void* data, std::uint32_t size)
   constexpr std::uint32_t longest = std::uint32_t{1} << 30;
   return {static_cast<const std::byte*>(data), size <= longest ? size : 0};
 }
-
-/// What to say when the bus does not work: which bus was meant, who said so, and what LCM needs within one machine. For
-/// the end of a complaint. lcm_url: empty where LCM's own default was asked for, which heeds LCM_DEFAULT_URL.
-std::string bus_trouble(const std::string& lcm_url);
 
 } // namespace torqued
