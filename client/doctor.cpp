@@ -1,6 +1,7 @@
 #include "client/bus_facts.h"
 #include "client/files.h"
 #include "client/subcommands.h"
+#include "robot/printable.h"
 
 #include <CLI/CLI.hpp>
 
@@ -71,7 +72,7 @@ ExitCode examine(const std::string& lcm_url, bool json)
   const std::vector<Finding> findings = diagnose(facts);
 
   OutputFile out("-");
-  out.write(json ? as_json(findings) : as_text(findings));
+  out.write(json ? as_json(findings) : printable_lines(as_text(findings)));
   const auto is_bad = [](const Finding& finding)
   {
     return finding.grade == Finding::Grade::bad;

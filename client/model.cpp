@@ -1,5 +1,6 @@
 #include "client/robot_choice.h"
 #include "client/subcommands.h"
+#include "robot/printable.h"
 #include "robot/robot_files.h"
 #include "robot/strict_toml.h"
 #include "torque/regressor.h"
@@ -212,7 +213,7 @@ ExitCode model(const ModelOptions& options)
              robot.mechanism.gravity(), walks ? fmt::format(", leg length {:.4g} m", robot.leg_length) : std::string(),
              robot.model_id);
   if (!robot.source.empty())
-    fmt::print("{}\n", robot.source);
+    fmt::print("{}\n", printable_lines(robot.source));
   print_links(robot);
   print_coordinates(robot);
   print_actuators(robot);

@@ -3,6 +3,7 @@
 #include "client/differentiation.h"
 #include "client/files.h"
 #include "client/subcommands.h"
+#include "robot/printable.h"
 #include "robot/strict_toml.h"
 
 #include <CLI/CLI.hpp>
@@ -31,7 +32,7 @@ namespace
 int complain(ExitCode code, std::string_view message)
 {
   std::fflush(stdout);
-  fmt::print(stderr, "torquectl: {}\n", message);
+  fmt::print(stderr, "torquectl: {}\n", printable_line(message));
   return static_cast<int>(code);
 }
 
@@ -187,12 +188,12 @@ void set_flag(std::string_view flag, void (*set)(Config&, const std::string&), C
 
 void note(std::string_view line)
 {
-  fmt::print(stderr, "torquectl: note: {}\n", line);
+  fmt::print(stderr, "torquectl: note: {}\n", printable_line(line));
 }
 
 void print_summary(const std::string& output, std::string_view text)
 {
-  fmt::print(output == "-" ? stderr : stdout, "{}", text);
+  fmt::print(output == "-" ? stderr : stdout, "{}", printable_lines(text));
 }
 
 } // namespace torqued

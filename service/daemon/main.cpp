@@ -2,6 +2,7 @@
 #include "daemon/lcm_loop.h"
 #include "daemon/lcm_receiver.h"
 #include "daemon/multicast_receiver.h"
+#include "robot/printable.h"
 #include "robot/strict_toml.h"
 #include "wire/bus_url.h"
 
@@ -17,6 +18,7 @@
 #include <optional>
 #include <poll.h>
 #include <spdlog/async.h>
+#include <spdlog/pattern_formatter.h>
 #include <spdlog/sinks/stdout_color_sinks.h>
 #include <spdlog/spdlog.h>
 #include <sys/eventfd.h>
@@ -142,6 +144,25 @@ int end_by_signal()
   return stop_fd;
 }
 
+// The message of a line of the log, as a terminal may show it: texts from outside are part of some.
+class PrintableMessage : public spdlog::custom_flag_formatter
+{
+public:
+  void format(const spdlog::details::log_msg& message, const std::tm&, spdlog::memory_buf_t& line) override
+  {
+    append_printable_line(line, std::string_view(message.payload.data(), message.payload.size()));
+  }
+  std::unique_ptr<spdlog::custom_flag_formatter> clone() const override { return std::make_unique<PrintableMessage>(); }
+};
+
+// spdlog's own lines, but for their message.
+std::unique_ptr<spdlog::formatter> printable_formatter()
+{
+  auto formatter = std::make_unique<spdlog::pattern_formatter>();
+  formatter->add_flag<PrintableMessage>('*').set_pattern("[%Y-%m-%d %H:%M:%S.%e] [%n] [%^%l%$] %*");
+  return formatter;
+}
+
 // The motors without a torque limit, or "any motor".
 std::string without_torque_limit(const Robot& robot)
 {
@@ -179,6 +200,7 @@ int serve(const Config& config)
   const int stop_fd = end_by_signal();
   spdlog::init_thread_pool(1024, 1);
   const auto log = spdlog::create_async_nb<spdlog::sinks::stderr_color_sink_mt>("torqued");
+  log->set_formatter(printable_formatter());
   log->set_level(spdlog::level::from_str(config.log_level));
 
   if (const std::string fault = fault_between_processes(choose_bus(config.lcm_url, config.lcm_url_set_by));
@@ -228,7 +250,7 @@ int serve(const Config& config)
 // By the C library: fmt would throw where nobody reads stderr, and end by SIGABRT.
 int complain(int code, const std::string& message)
 {
-  std::fputs(("torqued: " + message + "\n").c_str(), stderr);
+  std::fputs(("torqued: " + printable_line(message) + "\n").c_str(), stderr);
   return code;
 }
 

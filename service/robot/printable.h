@@ -11,7 +11,7 @@ namespace torqued
 
 /// The most characters of a value that a complaint shows.
 inline constexpr std::size_t kLongestShown = 60;
-/// The most characters of a whole line: a complaint, a note, a line of a log.
+/// The most bytes of a line that is shown whole: a complaint, a note, a line of a log.
 inline constexpr std::size_t kLongestLine = 2000;
 
 /// A character at the begin of a text.
@@ -83,6 +83,40 @@ inline std::string printable(std::string_view text, std::size_t longest = 300)
 {
   std::string shown;
   append_printable(shown, text, longest);
+  return shown;
+}
+
+/// Appends one line for a terminal: printable, and of one that is too long the begin, where it says what is the matter,
+/// and the end, where it says what would be right.
+template <typename Buffer> void append_printable_line(Buffer& buffer, std::string_view line)
+{
+  if (line.size() <= kLongestLine)
+    return append_printable(buffer, line, kLongestLine);
+  constexpr std::size_t end = kLongestLine / 4;
+  append_printable(buffer, line.substr(0, kLongestLine - end), kLongestLine);
+  append_printable(buffer, " ... ", kLongestLine);
+  append_printable(buffer, line.substr(line.size() - end), kLongestLine);
+}
+
+/// Lines for a terminal, each as append_printable_line() leaves it.
+inline std::string printable_lines(std::string_view text)
+{
+  std::string shown;
+  for (std::size_t end = text.find('\n'); end != std::string_view::npos; end = text.find('\n'))
+  {
+    append_printable_line(shown, text.substr(0, end));
+    shown += '\n';
+    text.remove_prefix(end + 1);
+  }
+  append_printable_line(shown, text);
+  return shown;
+}
+
+/// The same of a text that is one line: ends of lines within it are shown as what they are, something from outside.
+inline std::string printable_line(std::string_view line)
+{
+  std::string shown;
+  append_printable_line(shown, line);
   return shown;
 }
 
