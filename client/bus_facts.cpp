@@ -16,6 +16,7 @@
 #include <set>
 #include <sys/socket.h>
 #include <unistd.h>
+#include <utility>
 
 namespace torqued
 {
@@ -63,18 +64,42 @@ void look_at_interfaces(const BusUrl& url, BusFacts& facts)
     facts.route = routes.front().value("dev", "");
 }
 
-// Chains of nft's whose packets could be ours, and that drop or reject some, or call others that do.
-std::optional<std::vector<DroppingChain>> look_at_firewall()
+bool drops(const Json& expressions)
+{
+  return std::any_of(expressions.begin(), expressions.end(),
+                     [](const Json& one) { return one.contains("drop") || one.contains("reject"); });
+}
+
+// Whether a rule drops what comes to a port over UDP, or all of it but for something: for what comes from this machine.
+bool keeps_off(const Json& expressions, int port)
+{
+  const auto lets_port_through = [port](const Json& one)
+  {
+    if (!one.contains("match"))
+      return false;
+    const Json& match = one["match"];
+    const Json left = match.value("left", Json()), right = match.value("right", Json());
+    const Json payload = left.is_object() ? left.value("payload", Json()) : Json();
+    const bool is_port = payload.is_object() && payload.value("field", "") == "dport" && right == port;
+    const bool is_udp = right == "udp";
+    return match.value("op", "") != "!=" && !is_port && !is_udp;
+  };
+  return drops(expressions) && std::none_of(expressions.begin(), expressions.end(), lets_port_through);
+}
+
+// Chains of nft's whose packets could be ours, and that drop or reject some, or call others that do; and whether one
+// keeps off what other machines send.
+void look_at_firewall(int port, BusFacts& facts)
 {
   const Json answer = ask("nft --json list ruleset");
   if (!answer.is_object() || !answer.contains("nftables"))
-    return {};
+    return;
   const auto table_of = [](const Json& item)
   {
     return std::pair(item.value("family", ""), item.value("table", ""));
   };
   // which chain calls which is not followed: where one drops something, all of its table are under suspicion
-  std::set<std::pair<std::string, std::string>> dropping_tables;
+  std::set<std::pair<std::string, std::string>> dropping_tables, guarding_tables;
   std::vector<DroppingChain> chains;
   for (const Json& item : answer["nftables"])
   {
@@ -82,9 +107,10 @@ std::optional<std::vector<DroppingChain>> look_at_firewall()
       continue;
     const Json& rule = item["rule"];
     const Json expressions = rule.value("expr", Json::array());
-    if (std::any_of(expressions.begin(), expressions.end(),
-                    [](const Json& one) { return one.contains("drop") || one.contains("reject"); }))
+    if (drops(expressions))
       dropping_tables.insert(table_of(rule));
+    if (keeps_off(expressions, port))
+      guarding_tables.insert(table_of(rule));
   }
   for (const Json& item : answer["nftables"])
   {
@@ -96,10 +122,13 @@ std::optional<std::vector<DroppingChain>> look_at_firewall()
     const bool for_ip = family == "ip" || family == "inet" || family == "netdev";
     if (!for_ip || hook.empty() || hook == "forward")
       continue;
-    if (chain.value("policy", "") == "drop" || dropping_tables.count(table_of(chain)) != 0)
+    const bool drops_the_rest = chain.value("policy", "") == "drop";
+    if ((hook == "input" || hook == "ingress") && (drops_the_rest || guarding_tables.count(table_of(chain)) != 0))
+      facts.keeps_others_out = true;
+    if (drops_the_rest || dropping_tables.count(table_of(chain)) != 0)
       chains.push_back({family, chain.value("table", ""), name});
   }
-  return chains;
+  facts.firewall = std::move(chains);
 }
 
 class Socket
@@ -243,8 +272,7 @@ BusFacts look_at_bus(const std::string& lcm_url)
   }
   look_at_interfaces(url, facts);
   look_at_message(url, facts);
-  if (!facts.came_back)
-    facts.firewall = look_at_firewall();
+  look_at_firewall(url.port, facts);
   look_at_buffer(url, facts);
   return facts;
 }

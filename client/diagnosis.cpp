@@ -14,6 +14,7 @@ namespace
 
 constexpr const char* kWithinThisMachine =
     "sudo ip link set lo up multicast on; sudo ip route replace 224.0.0.0/4 dev lo";
+constexpr const char* kAsRoot = "sudo --preserve-env=LCM_DEFAULT_URL \"$(command -v torquectl)\" doctor";
 
 // What to type so that this bus is meant.
 std::string set_url(const BusFacts& facts, const BusUrl& url)
@@ -96,6 +97,7 @@ private:
     judge_ttl();
     if (judge_interface() && judge_socket())
       judge_message();
+    judge_other_machines();
     judge_buffer();
   }
 
@@ -169,8 +171,7 @@ private:
                                  : fmt::format("no message can be sent ({})", facts_.send_trouble);
     if (!facts_.firewall)
       return say(Grade::bad, what + ": a firewall is in its way, or the interface; this user cannot see which rule",
-                 facts_.is_root ? "sudo apt-get install nftables"
-                                : "sudo --preserve-env=LCM_DEFAULT_URL \"$(command -v torquectl)\" doctor");
+                 facts_.is_root ? "sudo apt-get install nftables" : kAsRoot);
     if (facts_.firewall->empty())
       return say(Grade::bad, what + ", and no rule of nft's drops anything: look at the interface",
                  fmt::format("ip -statistics link show {}", facts_.route));
@@ -182,6 +183,28 @@ private:
       mend += fmt::format("{}sudo nft insert rule {} ip daddr {} accept", mend.empty() ? "" : "; ", name, url_.address);
     }
     say(Grade::bad, fmt::format("{}: the firewall is in its way, of which drop packets: {}", what, chains), mend);
+  }
+
+  // LCM's sockets take what comes to their port from any interface, whatever group or ttl it was sent by.
+  void judge_other_machines()
+  {
+    const bool is_reached = !facts_.has_ip || std::any_of(facts_.interfaces.begin(), facts_.interfaces.end(),
+                                                          [](const Interface& one) { return one.up && !one.loopback; });
+    if (url_.ttl > 0 || url_.provider != BusUrl::Provider::udpm || !is_reached || !facts_.came_back)
+      return;
+    const std::string what =
+        fmt::format("ttl 0 holds back what is sent here, not what others send to port {}", url_.port);
+    if (!facts_.firewall)
+      say(Grade::remark, what + "; this user cannot see whether a firewall drops that",
+          facts_.is_root ? "sudo apt-get install nftables" : kAsRoot);
+    else if (facts_.keeps_others_out)
+      say(Grade::good, fmt::format("a firewall keeps what other machines send off port {}", url_.port));
+    else
+      say(Grade::remark, what + ", and no rule of nft's drops that",
+          fmt::format("sudo nft add table inet torqued; "
+                      "sudo nft add chain inet torqued input '{{ type filter hook input priority 0; }}'; "
+                      "sudo nft add rule inet torqued input udp dport {} fib saddr type != local drop",
+                      url_.port));
   }
 
   void judge_buffer()

@@ -37,9 +37,10 @@ struct BusFacts
   bool came_back = false;     ///< whether that message came back, or the server answered
   bool is_root = false;
   std::optional<std::vector<DroppingChain>> firewall; ///< nothing: nft is not here, or shows this user nothing
-  int buffer_size = 0;     ///< bytes that the system grants a socket of LCM's, as SO_RCVBUF counts them
-  int buffer_messages = 0; ///< how many desired states or commands that holds; 0: they did not reach it
-  std::string lcm_trouble; ///< why LCM could not be listened to although that message came back; empty: it could
+  bool keeps_others_out = false; ///< of the firewall: whether it drops what other machines send to the bus's port
+  int buffer_size = 0;           ///< bytes that the system grants a socket of LCM's, as SO_RCVBUF counts them
+  int buffer_messages = 0;       ///< how many desired states or commands that holds; 0: they did not reach it
+  std::string lcm_trouble;       ///< why LCM could not be listened to although that message came back; empty: it could
   std::vector<Daemon> daemons;
   std::string lcm_version;
 };

@@ -24,6 +24,8 @@ BusFacts healthy()
   facts.interfaces = {{"lo", true, true, true}, {"wlan0", false, true, false}, {"eth0", true, true, false}};
   facts.route = "lo";
   facts.came_back = true;
+  facts.firewall.emplace();
+  facts.keeps_others_out = true;
   facts.buffer_size = 4194304;
   facts.buffer_messages = 3000;
   facts.daemons = {Daemon{"", status_t{}, 0.05, {}, {}}};
@@ -146,6 +148,7 @@ TEST_CASE("a firewall is named as far as this user sees it", "[diagnosis]")
 {
   BusFacts facts = healthy();
   facts.came_back = false;
+  facts.firewall.reset();
   facts.daemons.clear();
   CHECK(contains(trouble(facts).mend, "sudo --preserve-env=LCM_DEFAULT_URL"));
   facts.is_root = true;
@@ -158,6 +161,34 @@ TEST_CASE("a firewall is named as far as this user sees it", "[diagnosis]")
   CHECK(contains(trouble(facts).text, "(Operation not permitted)"));
   CHECK(trouble(facts).mend == "sudo nft insert rule ip filter INPUT ip daddr 239.255.76.67 accept; "
                                "sudo nft insert rule inet own in ip daddr 239.255.76.67 accept");
+}
+
+TEST_CASE("a bus within this machine that other machines can reach has a note, with the rule that keeps them out",
+          "[diagnosis]")
+{
+  BusFacts facts = healthy();
+  facts.keeps_others_out = false;
+  facts.bus.url = "udpm://239.255.76.67:7668?ttl=0";
+  CHECK(trouble(facts).grade == Grade::remark);
+  CHECK(contains(trouble(facts).text, "not what others send to port 7668, and no rule of nft's drops that"));
+  CHECK(trouble(facts).mend == "sudo nft add table inet torqued; "
+                               "sudo nft add chain inet torqued input '{ type filter hook input priority 0; }'; "
+                               "sudo nft add rule inet torqued input udp dport 7668 fib saddr type != local drop");
+  // what this user cannot see
+  facts.firewall.reset();
+  CHECK(trouble(facts).grade == Grade::remark);
+  CHECK(contains(trouble(facts).text, "this user cannot see"));
+  CHECK(contains(trouble(facts).mend, "sudo --preserve-env=LCM_DEFAULT_URL"));
+  facts.is_root = true;
+  CHECK(contains(trouble(facts).mend, "nftables"));
+  // where no other machine is, or where others are meant to be heard
+  facts.interfaces.resize(1);
+  CHECK(troubles(facts).empty());
+  facts = healthy();
+  facts.keeps_others_out = false;
+  facts.bus.url = "udpm://239.255.76.67:7667?ttl=1";
+  facts.route = "eth0";
+  CHECK(troubles(facts).empty());
 }
 
 TEST_CASE("a port that another program holds", "[diagnosis]")

@@ -106,6 +106,16 @@ TEST_CASE("the doctor finds what is wrong with a machine's bus, and its commands
       {kWithin, "ip link set lo up && ip route add 224.0.0.0/4 dev lo", "lo, which lacks the flag MULTICAST", false},
       {kWithin, std::string(kWire) + " && ip link set wire up && ip route add default dev wire",
        "by wire, although they stay within this machine", false},
+      {kWithin, std::string(kBus) + " && " + kWire + " && ip link set wire up", "and no rule of nft's drops that",
+       false},
+      {"udpm://239.255.76.67:7668?ttl=0",
+       std::string(kBus) + " && " + kWire + " && ip link set wire up && " + nft +
+           "input priority 0; }' && nft add rule inet own in udp dport 7667 fib saddr type != local drop",
+       "what others send to port 7668, and no rule of nft's drops that", false},
+      {kWithin,
+       std::string(kWire) + " && ip link set wire up && ip route add 224.0.0.0/4 dev wire && " + nft +
+           "input priority 0; }' && nft add rule inet own in iifname != lo udp dport 7667 drop",
+       "did not come back: the firewall is in its way, of which drop packets: inet own in", true},
       {kSegment, kBus, "which leads to no other machine", false},
       {kSegment, std::string(kBus) + " && " + kWire, "which leads to no other machine", false},
       {kSegment, kWire, "no route leads to 239.255.76.67", true},
