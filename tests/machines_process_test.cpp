@@ -147,4 +147,76 @@ TEST_CASE("a daemon whose bus has ttl=0 hears no other machine, though they send
   }
 }
 
+TEST_CASE("what another machine sends to the port of a bus within this one is heard by LCM's clients, unless a rule "
+          "drops it by "
+          "where it comes from; one by its interface drops this machine's own",
+          "[machines_process]")
+{
+  join_wires();
+  const Machine other(5);
+  setenv("LCM_DEFAULT_URL", "udpm://239.255.76.67:7667?ttl=0", 1);
+  const auto set_rule = [](const std::string& rule)
+  {
+    shell("nft add table inet torqued && nft delete table inet torqued && nft add table inet torqued && "
+          "nft add chain inet torqued input '{ type filter hook input priority 0; }' && "
+          "nft add rule inet torqued input udp dport 7667 " +
+          rule);
+  };
+  for (const std::string route : {"lo", "wires"})
+  {
+    CAPTURE(route);
+    shell("ip link set lo up multicast on && ip route replace 224.0.0.0/4 dev " + route);
+    set_rule("accept");
+    Bench bench;
+    REQUIRE(bench.model);
+    const TemporaryFolder folder;
+    // how many of ten messages a client of LCM's hears from the other machine; the daemon hears none
+    lcm::LCM client;
+    int heard = 0;
+    client.subscribeFunction(
+        "TORQUED_DESIRED", +[](const lcm::ReceiveBuffer*, const std::string&, int* count) { ++*count; }, &heard);
+    const auto heard_by = [&](const std::string& address)
+    {
+      const std::int64_t before = bench.settled_status().received;
+      while (client.handleTimeout(0) > 0)
+      {
+      }
+      heard = 0;
+      Process send(other.there({"python3", "-c",
+                                fmt::format("import socket\ns = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)\n"
+                                            "s.setsockopt(socket.IPPROTO_IP, socket.IP_MULTICAST_TTL, 1)\n"
+                                            "for i in range(10):\n"
+                                            "  s.sendto(b'LC02\\0\\0\\0\\0TORQUED_DESIRED\\0none', ('{}', 7667))\n",
+                                            address)}),
+                   folder.file("out"));
+      REQUIRE(send.wait() == 0);
+      bench.hear_for(200ms);
+      while (client.handleTimeout(0) > 0)
+      {
+      }
+      CHECK(bench.settled_status().received == before);
+      return heard;
+    };
+    const auto answers_own = [&]
+    {
+      const std::size_t before = bench.commands.size();
+      bench.send(bench.standing());
+      bench.hear_for(200ms);
+      return bench.commands.size() == before + 1;
+    };
+    CHECK(answers_own());
+    CHECK(heard_by("10.76.67.1") == 10);
+    CHECK(heard_by("239.255.76.67") == (route == "lo" ? 0 : 10));
+
+    set_rule("fib saddr type != local drop");
+    CHECK(heard_by("10.76.67.1") == 0);
+    CHECK(heard_by("239.255.76.67") == 0);
+    CHECK(answers_own());
+
+    set_rule("iifname != lo drop");
+    CHECK(answers_own() == (route == "lo"));
+  }
+  shell("nft delete table inet torqued");
+}
+
 } // namespace machines_process_test
