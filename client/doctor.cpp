@@ -94,7 +94,8 @@ Subcommand add_doctor(CLI::App& torquectl)
       "doctor", "what is wrong with this machine's LCM set-up, each finding with the command that mends it");
   app->add_flag("--json", options->json, "the findings as JSON: grade (ok, note, wrong), text, mend");
   add_bus_option(*app, options->lcm_url);
-  app->footer("Changes nothing. As root it also sees which rule of a firewall is in the way.\n"
+  app->footer("Changes nothing. As root it also sees which rule of a firewall is in the way, and\n"
+              "whether one keeps off what other machines send.\n"
               "Exit code: 0 if nothing is wrong, notes apart; else 1.\n\n"
               "Example:\n"
               "  LCM_DEFAULT_URL='udpm://239.255.76.67:7667?ttl=0' torquectl doctor");
