@@ -1,6 +1,7 @@
 #include "client/daemons.h"
 #include "client/files.h"
 #include "client/subcommands.h"
+#include "wire/bus_url.h"
 
 #include <CLI/CLI.hpp>
 

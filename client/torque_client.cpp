@@ -1,6 +1,7 @@
 #include "client/torque_client.h"
 
 #include "robot/printable.h"
+#include "wire/bus_url.h"
 #include "wire/messages.h"
 
 #include <algorithm>
@@ -72,10 +73,18 @@ std::string shown_robot(const model_info_t& model)
   return printable(model.name) + " (model_id " + std::to_string(model.model_id) + ")";
 }
 
+// What to say when the bus does not work. Throws std::runtime_error if its URL says already that it does not.
+std::string trouble_of(const std::string& lcm_url)
+{
+  if (const std::string fault = fault_of(choose_bus(lcm_url, "lcm_url")); !fault.empty())
+    throw std::runtime_error("the LCM bus cannot be opened: " + fault);
+  return bus_trouble(lcm_url);
+}
+
 } // namespace
 
 TorqueClient::TorqueClient(const std::string& lcm_url, const std::string& prefix)
-    : trouble_(bus_trouble(lcm_url)), stream_id_(random_id()), lcm_(lcm_url)
+    : trouble_(trouble_of(lcm_url)), stream_id_(random_id()), lcm_(lcm_url)
 {
   const Channels channels(prefix);
   desired_channel_ = channels.desired;

@@ -96,7 +96,7 @@ public:
   {
     desired_state_t desired{};
     desired.utime = now();
-    desired.stream_id = 77;
+    desired.stream_id = kStream;
     desired.model_id = model->model_id;
     desired.left_contact = desired.right_contact = desired_state_t::SOLE;
     desired.load_transfer = 0.5;
@@ -129,11 +129,21 @@ public:
   void stream(std::chrono::milliseconds duration)
   {
     const auto begin = Clock::now();
+    auto last = begin;
     for (auto next = begin; next < begin + duration; next += std::chrono::milliseconds(1))
     {
       hear_until(next);
       send(standing());
+      longest_pause = std::max(longest_pause, Clock::now() - last);
+      last = Clock::now();
     }
+  }
+
+  /// Whether all commands that were heard answer samples of this client.
+  bool followed_alone() const
+  {
+    return std::all_of(commands.begin(), commands.end(),
+                       [](const torque_command_t& command) { return command.stream_id == kStream; });
   }
 
   void publish_bytes(const std::string& channel, Bytes bytes)
@@ -215,6 +225,7 @@ public:
                                                   { return rejection.reason == reason; }));
   }
 
+  Clock::duration longest_pause{}; ///< between two samples of stream()
   std::optional<model_info_t> model;
   std::vector<torque_command_t> commands;
   std::vector<std::int64_t> ages; ///< µs from a command's utime until it was heard here, one for each command
@@ -225,6 +236,8 @@ public:
   int undecoded = 0;           ///< messages of the daemon's that are none
 
 private:
+  static constexpr std::int64_t kStream = 77;
+
   static void hear(const lcm::ReceiveBuffer* buffer, const std::string& channel, Bench* bench)
   {
     bench->keep(received_bytes(buffer->data, buffer->data_size), channel);

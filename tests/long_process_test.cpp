@@ -1,7 +1,9 @@
-// Tests that are the better the longer they run. SOAK_MINUTES and STORM_MESSAGES say how long, SEED repeats a run.
+// Tests that are the better the longer they run. SOAK_MINUTES, STORM_MESSAGES and FLOOD_RUNS say how long, SEED repeats
+// a run.
 
 #include "catch.h"
 #include "daemon_bench.h"
+#include "flood.h"
 #include "relay.h"
 
 #include <cstdlib>
@@ -210,6 +212,35 @@ TEST_CASE("of messages made at random each is counted, none makes torqued alloca
 #endif
   bench.torqued().signal(SIGTERM);
   CHECK(bench.torqued().wait() == 0);
+}
+
+TEST_CASE("a client that floods takes over no stream, whatever finds no room", "[long_process]")
+{
+  const auto runs = static_cast<int>(number_from_environment("FLOOD_RUNS", 1));
+  std::int64_t sent = 0, lost = 0, starved = 0;
+  for (int i = 0; i < runs; ++i)
+  {
+    // with less room than the system gives, so that messages do get lost
+    Bench bench(i % 2 == 0
+                    ? std::vector<std::string>{}
+                    : std::vector<std::string>{"--lcm-url", "udpm://239.255.76.67:7667?ttl=0&recv_buf_size=20000"});
+    bench.stream(100ms);
+    desired_state_t other = bench.standing();
+    other.stream_id = 99;
+    {
+      const Flood flood(encoded(other), 55'000);
+      bench.stream(2000ms);
+      sent += flood.sent();
+    }
+    CAPTURE(i, bench.longest_pause.count());
+    CHECK((bench.followed_alone() || bench.longest_pause > kSilence));
+    starved += bench.longest_pause > kSilence ? 1 : 0;
+    lost += bench.settled_status().dropped_upper_bound;
+    CHECK(bench.statuses.back().received ==
+          bench.statuses.back().answered + bench.statuses.back().rejected + bench.statuses.back().superseded);
+  }
+  fmt::print("{} floods, {} samples of another stream, at most {} messages lost; {} times the client paused itself\n",
+             runs, sent, lost, starved);
 }
 
 TEST_CASE("a long run on a bad network keeps account, memory, descriptors, statuses and latency", "[long_process]")

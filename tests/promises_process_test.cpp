@@ -1,10 +1,10 @@
 #include "catch.h"
 #include "daemon_bench.h"
+#include "flood.h"
 
 #include "robot/robot_files.h"
 
 #include <algorithm>
-#include <atomic>
 #include <cmath>
 #include <cstdlib>
 #include <fcntl.h>
@@ -77,48 +77,6 @@ private:
   std::string path_;
   int fd_;
   std::vector<std::string> words_;
-};
-
-// Another client, which publishes the same bytes so many times a second, or as often as this machine can; those of a
-// sample have the time of their sending.
-class Flood
-{
-public:
-  Flood(std::vector<std::byte> bytes, std::int64_t rate)
-      : bytes_(std::move(bytes)), rate_(rate), thread_(&Flood::run, this)
-  {
-  }
-  ~Flood()
-  {
-    ends_ = true;
-    thread_.join();
-  }
-  Flood(const Flood&) = delete;
-  Flood& operator=(const Flood&) = delete;
-
-  std::int64_t sent() const { return sent_; }
-
-private:
-  void run()
-  {
-    lcm::LCM bus;
-    const auto begin = Clock::now();
-    for (; !ends_; ++sent_)
-    {
-      if (sent_ % 50 == 0)
-        std::this_thread::sleep_until(begin + std::chrono::microseconds(1'000'000 * sent_ / rate_));
-      const auto utime = static_cast<std::uint64_t>(Bench::now());
-      for (std::size_t i = 0; i < 8; ++i)
-        bytes_[8 + i] = static_cast<std::byte>(utime >> (56 - 8 * i));
-      bus.publish("TORQUED_DESIRED", bytes_.data(), static_cast<unsigned>(bytes_.size()));
-    }
-  }
-
-  std::vector<std::byte> bytes_;
-  std::int64_t rate_;
-  std::atomic<bool> ends_ = false;
-  std::atomic<std::int64_t> sent_ = 0;
-  std::thread thread_;
 };
 
 constexpr const char* kMulticast = "ip link set lo up multicast on && ip route add 224.0.0.0/4 dev lo";
@@ -397,8 +355,7 @@ TEST_CASE("a client that floods takes no stream over, and keeps nobody from answ
             bench.rejections.size(), bench.sent.size());
     CHECK(flood.sent() > 2000);
     REQUIRE(seconds > 0.5);
-    CHECK(std::all_of(bench.commands.begin(), bench.commands.end(),
-                      [](const torque_command_t& command) { return command.stream_id == 77; }));
+    CHECK((bench.followed_alone() || bench.longest_pause > kSilence));
     CHECK(during.answered <= static_cast<std::int64_t>(bench.sent.size()));
     // under a flood the system drops some of all messages, before they reach the daemon or us
     CHECK(answered / seconds > 50.0);

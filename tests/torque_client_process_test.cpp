@@ -296,6 +296,19 @@ TEST_CASE("a client with another prefix hears nothing, and a bus that is none is
   CHECK_FALSE(elsewhere.wait_for_model(100ms));
   CHECK_FALSE(elsewhere.model());
   CHECK_THROWS_AS(TorqueClient("nonsense://"), std::runtime_error);
+  // LCM would look for its own message for ten seconds
+  const auto before = TorqueClient::Clock::now();
+  std::string why;
+  try
+  {
+    TorqueClient("udpm://239.255.76.67");
+  }
+  catch (const std::runtime_error& error)
+  {
+    why = error.what();
+  }
+  CHECK(why.find("the port is missing") != std::string::npos);
+  CHECK(TorqueClient::Clock::now() - before < 5s);
 }
 
 TEST_CASE("a client goes by the robot that it heard of first, whatever daemon takes its place",

@@ -4,8 +4,6 @@
 /// allocate gigabytes or read past its end. Everything here checks fingerprint, counts and exact size first.
 #pragma once
 
-#include "wire/bus_url.h"
-
 #include <cstddef>
 #include <cstdint>
 #include <span>
