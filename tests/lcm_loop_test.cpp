@@ -26,8 +26,18 @@ class LossyReceiver : public LcmReceiver
 public:
   using LcmReceiver::LcmReceiver;
   std::int64_t most_lost() const override { return lost; }
+  bool subscribe(const std::string& channel, Handler handler) override
+  {
+    return LcmReceiver::subscribe(channel,
+                                  [this, channel, handler](Bytes bytes)
+                                  {
+                                    if (channel != "TORQUED_STATUS" || !loses_statuses)
+                                      handler(bytes);
+                                  });
+  }
 
   std::int64_t lost = 0;
+  bool loses_statuses = false;
 };
 
 // A loop and a listener on one bus inside this process.
@@ -357,6 +367,38 @@ TEST_CASE("while messages are lost no other stream takes over, and the status sa
   CHECK(bench.statuses.back().dropped_upper_bound > 10);
   try_other(false);
   CHECK(bench.commands.size() > 1);
+}
+
+TEST_CASE("a status of our own that is lost among others is no deafness, and a repeated one no second health",
+          "[lcm_loop]")
+{
+  const auto publish_statuses = [](Bench& bench, int times, bool loses)
+  {
+    for (int i = 0; i < times; ++i)
+    {
+      usleep(101'000);
+      bench.receiver().lost += loses ? 1 : 0;
+      bench.settle();
+      bench.settle();
+    }
+  };
+  Bench bench;
+  bench.receiver().loses_statuses = true;
+  publish_statuses(bench, 8, true);
+  CHECK(bench.healthy >= 7);
+  CHECK(bench.log().find("deaf") == std::string::npos);
+  publish_statuses(bench, 8, false);
+  CHECK(bench.log().find("deaf") != std::string::npos);
+
+  bench.receiver().loses_statuses = false;
+  publish_statuses(bench, 2, false);
+  const int healthy = bench.healthy;
+  std::vector<std::byte> buffer;
+  const Bytes bytes = encode(bench.statuses.back(), buffer);
+  for (int i = 0; i < 50; ++i)
+    bench.bus().publish("TORQUED_STATUS", bytes.data(), static_cast<unsigned>(bytes.size()));
+  bench.settle();
+  CHECK(bench.healthy <= healthy + 1);
 }
 
 TEST_CASE("at most a thousand rejections a second are published, and all are counted", "[lcm_loop][slow]")

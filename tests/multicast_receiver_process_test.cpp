@@ -205,8 +205,19 @@ TEST_CASE("what is on no subscribed channel, or is no short message, does not wa
 
 TEST_CASE("what finds no room is counted, and what was not meant is not", "[multicast_receiver_process]")
 {
-  Ear ear({"MINE"}, "udpm://239.255.76.67:7667?ttl=0&recv_buf_size=50000");
   const Sender sender;
+  {
+    // also where the first messages ever heard are the ones that were lost
+    Ear ear({"MINE"}, "udpm://239.255.76.67:7667?ttl=0&recv_buf_size=1");
+    for (int i = 0; i < 3000; ++i)
+      sender.send(short_message("MINE", std::string(300, 'x')));
+    ear.drain();
+    CHECK(ear.heard.size() < 3000);
+    sender.send(short_message("MINE", ""));
+    ear.drain();
+    CHECK(ear.heard.size() + static_cast<std::size_t>(ear.receiver().most_lost()) == 3001);
+  }
+  Ear ear({"MINE"}, "udpm://239.255.76.67:7667?ttl=0&recv_buf_size=50000");
   constexpr std::size_t flood = 3000;
   const auto send = [&](const std::string& channel, std::size_t times)
   {
@@ -254,7 +265,7 @@ TEST_CASE("fragments, and names of channels without number, neither end torqued 
   for (int i = 0; i < 100'000; ++i)
   {
     sender.send(short_message(fmt::format("JUNK_{}", i), ""));
-    if (i % 1000 == 0)
+    if (i % 5000 == 0)
       REQUIRE(daemon.next_status());
   }
   std::mt19937_64 random(1);
@@ -265,12 +276,12 @@ TEST_CASE("fragments, and names of channels without number, neither end torqued 
     for (std::uint64_t size = random() % 40; size > 0; --size)
       datagram += static_cast<char>(random() & 0xff);
     sender.send(datagram);
-    if (i % 100 == 0)
+    if (i % 500 == 0)
       REQUIRE(daemon.next_status());
   }
   const std::optional<status_t> status = daemon.next_status();
   REQUIRE(status);
-  CHECK(status->received > 1000);
+  CHECK(status->received > 500);
   CHECK(status->received == status->rejected);
   CHECK(daemon.resident_kilobytes() - before < 1000);
   daemon.process().signal(SIGTERM);

@@ -404,6 +404,21 @@ TEST_CASE("systemd hears READY when the bus is proven, WATCHDOG as long as it ca
   CHECK(systemd.heard("READY=1") == 1);
 }
 
+TEST_CASE("a systemd that does not read delays no answer", "[promises_process]")
+{
+  const TemporaryFolder folder;
+  const NotifySocket systemd(folder.file("notify"));
+  Bench bench({}, {"env", systemd.variable()});
+  // far more than a socket's queue holds
+  CHECK(bench.wait([&] { return bench.statuses.size() >= 40; }));
+  for (int i = 0; i < 20; ++i)
+    bench.send_one(bench.standing());
+  CHECK(bench.commands.size() + bench.rejected(rejection_t::STALE) == 20);
+  CHECK(bench.commands.size() >= 15);
+  bench.torqued().signal(SIGTERM);
+  CHECK(bench.torqued().wait() == 0);
+}
+
 TEST_CASE("two daemons on the same channels notice each other", "[promises_process]")
 {
   const auto notices = [](const Bench& bench)

@@ -102,7 +102,7 @@ bool LcmLoop::prove_bus(int stop_fd)
   std::array<pollfd, 2> fds{{{receiver_.fd(), POLLIN, 0}, {stop_fd, POLLIN, 0}}};
   while (statuses_away_ > 0 && (fds[1].revents & POLLIN) == 0 && monotonic_us() < until)
   {
-    poll(fds.data(), fds.size(), 10);
+    poll(fds.data(), fds.size(), receiver_.holds() ? 0 : 10);
     receiver_.take();
   }
   return statuses_away_ == 0;
@@ -203,12 +203,16 @@ void LcmLoop::dispose_of(Bytes message)
   pending_arrival_ = arrival;
 }
 
-// Where messages found no room, the present stream's may have been among them.
+// Where messages found no room, the present stream's may have been among them, and our own status: a bus that brings
+// too much does carry messages.
 void LcmLoop::note_losses(std::int64_t now)
 {
   const std::int64_t lost = receiver_.most_lost();
   if (lost > status_.dropped_upper_bound && lost > 0)
+  {
     gate_.note_loss(now);
+    note_healthy();
+  }
   status_.dropped_upper_bound = lost;
 }
 
@@ -313,16 +317,22 @@ void LcmLoop::on_status(Bytes message)
 {
   const std::int64_t instance_id = read_status_instance(message);
   if (instance_id == status_.instance_id)
-  {
-    statuses_away_ = 0;
-    surroundings_.on_healthy();
-  }
+    note_healthy();
   else if (instance_id != 0 && may_log(kOtherDaemon, 10 * kSecond))
   {
     log_.error("another daemon, instance {}, publishes on {}, too: clients get two answers to each sample; stop one of "
                "them, or give it another --prefix",
                instance_id, channels_.status);
   }
+}
+
+// Once for each status, however often others repeat it.
+void LcmLoop::note_healthy()
+{
+  if (statuses_away_ == 0)
+    return;
+  statuses_away_ = 0;
+  surroundings_.on_healthy();
 }
 
 // Says when the bus stops carrying our messages back to us, and when it does so again.

@@ -41,7 +41,8 @@ public:
     {
       return std::int64_t{0};
     };
-    /// Called for each status of our own that came back over the bus: the loop turns, sends and hears.
+    /// Called once for each status of our own that came back over the bus, or was lost there among others: the loop
+    /// turns, sends and hears.
     std::function<void()> on_healthy = [] {
     };
   };
@@ -79,6 +80,7 @@ private:
   void reject(const Sender& sender, const Refusal& refusal);
   void publish_status(std::int8_t state);
   void publish_status_and_model_when_due();
+  void note_healthy();
   void note_deafness();
   void note_losses(std::int64_t now);
   std::int8_t state(std::int64_t now) const;

@@ -8,12 +8,14 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <csignal>
 #include <cstdio>
 #include <cstdlib>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <poll.h>
@@ -174,6 +176,32 @@ std::string without_torque_limit(const Robot& robot)
                                                                   : fmt::format("{}", fmt::join(names, ", "));
 }
 
+// What tells systemd that the loop is healthy, from a thread of its own: where systemd is slow, it alone waits. Call it
+// after end_by_signal().
+std::function<void()> watchdog_beat()
+{
+  if (std::getenv("NOTIFY_SOCKET") == nullptr)
+    return [] {
+    };
+  static std::atomic<bool> healthy = false;
+  std::thread(
+      []
+      {
+        while (true)
+        {
+          healthy.wait(false);
+          healthy = false;
+          sd_notify(0, "WATCHDOG=1");
+        }
+      })
+      .detach();
+  return []
+  {
+    healthy = true;
+    healthy.notify_one();
+  };
+}
+
 // Multicast is heard by a socket of our own, every other kind of bus by LCM's library.
 std::unique_ptr<Receiver> open_receiver(lcm::LCM& bus, const Config& config)
 try
@@ -214,11 +242,7 @@ int serve(const Config& config)
   LcmLoop loop(
       bus, *receiver, robot, config, *log,
       {.dropped_logs = [pool = spdlog::thread_pool()] { return static_cast<std::int64_t>(pool->overrun_counter()); },
-       .on_healthy =
-           []
-       {
-         sd_notify(0, "WATCHDOG=1");
-       }});
+       .on_healthy = watchdog_beat()});
   if (!loop.prove_bus(stop_fd) || !loop.listen())
   {
     if (pollfd stop{stop_fd, POLLIN, 0}; poll(&stop, 1, 0) > 0)

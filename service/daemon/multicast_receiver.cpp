@@ -25,8 +25,11 @@ namespace
 constexpr std::uint32_t kMagic = 0x4c433032; // "LC02"
 constexpr std::size_t kChannelAt = 8;
 constexpr std::size_t kLongestDatagram = 65'536;
-// Bytes that the buffer shall have, as far as the system grants them: its default is that for one slow program.
+// Bytes that the buffer shall have, as far as the system grants them: its default is that for one slow program. And
+// those that it has at least: with room for less than some dozens of samples any of them might be the last that found
+// some.
 constexpr int kBuffer = 1 << 20;
+constexpr int kLeastBuffer = 1 << 16;
 // Where a datagram's payload begins for a filter, behind UDP's header.
 constexpr std::uint32_t kPayload = 8;
 
@@ -37,7 +40,7 @@ template <typename Value> void set(int fd, int level, int option, const Value& v
 }
 
 // A datagram in the buffer of a socket takes at most so many bytes of it: what stands before and after the payload, and
-// what the system's allocator rounds up.
+// what the system's allocator rounds up. Only one that comes in fragments of IP of less than 24 bytes takes more.
 std::int64_t room_of(std::size_t size)
 {
   return 2 * static_cast<std::int64_t>(size) + 2048;
@@ -107,7 +110,8 @@ MulticastReceiver::MulticastReceiver(const BusUrl& url)
     address.sin_port = htons(static_cast<std::uint16_t>(url.port));
     inet_pton(AF_INET, url.address.c_str(), &address.sin_addr);
     set(fd_, SOL_SOCKET, SO_REUSEADDR, 1); // others on this machine listen, too
-    set(fd_, SOL_SOCKET, SO_RCVBUF, url.buffer_size.value_or(0) > 0 ? *url.buffer_size : kBuffer);
+    set(fd_, SOL_SOCKET, SO_RCVBUF,
+        url.buffer_size.value_or(0) > 0 ? std::max(*url.buffer_size, kLeastBuffer) : kBuffer);
     set(fd_, SOL_SOCKET, SO_RXQ_OVFL, 1);
     int room = 0;
     socklen_t size = sizeof room;
@@ -207,13 +211,11 @@ bool MulticastReceiver::read_batch()
   {
     waiting_ += room_of(batch_->messages[i].msg_len);
     msghdr& header = batch_->messages[i].msg_hdr;
+    std::uint32_t lost = lost_; // the system says nothing as long as that is zero
     for (cmsghdr* control = CMSG_FIRSTHDR(&header); control != nullptr; control = CMSG_NXTHDR(&header, control))
       if (control->cmsg_level == SOL_SOCKET && control->cmsg_type == SO_RXQ_OVFL)
-      {
-        std::uint32_t lost = 0;
         std::memcpy(&lost, CMSG_DATA(control), sizeof lost);
-        count_lost(lost);
-      }
+    count_lost(lost);
   }
   return read_ > 0;
 }
@@ -222,8 +224,9 @@ bool MulticastReceiver::read_batch()
 // may have been full meanwhile; else its filter refused them.
 void MulticastReceiver::count_lost(std::uint32_t lost)
 {
+  const auto more = static_cast<std::int32_t>(lost - lost_); // the count wraps
   if (may_have_lost_)
-    most_lost_ += lost - lost_; // the count may have wrapped
+    most_lost_ += std::max(more, 0);
   may_have_lost_ = waiting_ >= room_;
   lost_ = lost;
 }
