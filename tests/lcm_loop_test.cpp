@@ -369,6 +369,31 @@ TEST_CASE("while messages are lost no other stream takes over, and the status sa
   CHECK(bench.commands.size() > 1);
 }
 
+TEST_CASE("while the loop does not keep up no other stream takes over", "[lcm_loop]")
+{
+  Bench bench;
+  bench.send(bench.standing(1000));
+  bench.settle();
+  // two and a half times as much as another stream waits for, none of it a stall
+  for (int i = 0; i < 125; ++i)
+  {
+    bench.send_sleep(2000);
+    bench.send(bench.standing(1000 + i, 9));
+  }
+  for (int i = 0; i < 1000 && bench.rejections.size() < 125; ++i)
+    bench.loop().cycle(0.0);
+  CHECK(bench.commands.size() == 1);
+  CHECK(bench.rejections.size() == 125);
+
+  for (int i = 0; i < 30; ++i)
+  {
+    usleep(5000);
+    bench.send(bench.standing(2000 + i, 9));
+    bench.settle();
+  }
+  CHECK(bench.commands.size() > 1);
+}
+
 TEST_CASE("a status of our own that is lost among others is no deafness, and a repeated one no second health",
           "[lcm_loop]")
 {

@@ -68,7 +68,7 @@ LcmLoop::LcmLoop(lcm::LCM& bus, Receiver& receiver, const Robot& robot, const Co
                  Surroundings surroundings)
     : bus_(bus), receiver_(receiver), robot_(robot), config_(config), log_(log), surroundings_(std::move(surroundings)),
       channels_(config.prefix), parameters_(base_parameters(robot)), gate_(config.max_age), command_(), rejection_(),
-      status_(), dynamics_(), start_(monotonic_us()), last_awake_(start_), resumed_(start_)
+      status_(), dynamics_(), start_(monotonic_us()), last_awake_(start_), drained_at_(start_), resumed_(start_)
 {
   rejected_at_.fill(start_ - kSecond);
   const std::int64_t id = settings_id(config_.answers);
@@ -129,13 +129,16 @@ bool LcmLoop::cycle(double timeout, int stop_fd)
   poll(fds.data(), fds.size(), wait_ms);
   const std::int64_t begin = monotonic_us();
   notice_own_stall(begin, std::int64_t{1000} * wait_ms);
+  if (drained_)
+    drained_at_ = begin;
 
   bool takes = true, stood_still = false;
   std::int64_t from = begin;
   for (int taken = 1; takes && (fds[1].revents & POLLIN) == 0; ++taken)
   {
     const std::int64_t superseded = status_.superseded;
-    if (!receiver_.take())
+    drained_ = !receiver_.take();
+    if (drained_)
       break;
     const std::int64_t now = monotonic_us();
     notice_own_stall(now);
@@ -184,6 +187,9 @@ void LcmLoop::dispose_of(Bytes message)
   notice_own_stall(arrival);
   last_arrival_ = arrival;
   note_losses(arrival);
+  // what the present stream sends waits behind this
+  if (static_cast<double>(arrival - drained_at_) > 1e6 * config_.max_age)
+    gate_.note_loss(arrival);
   const Result<DesiredState> decoded = decode_desired_state(message, robot_);
   if (const Refusal* refusal = std::get_if<Refusal>(&decoded))
     return reject(read_sender(message), *refusal);

@@ -132,8 +132,10 @@ private:
   std::array<std::int64_t, kMostRejections> rejected_at_; // when the last ones were published, in a ring
   std::size_t next_rejection_ = 0;
   std::int64_t start_, last_arrival_ = -1, last_awake_, next_status_ = 0, next_model_ = 0;
-  std::int64_t resumed_;  // when this process last went on after it had stood still
-  int statuses_away_ = 0; // published since one of our own came back
+  std::int64_t drained_at_; // when messages last began to come after none had waited
+  bool drained_ = true;     // whether none waits
+  std::int64_t resumed_;    // when this process last went on after it had stood still
+  int statuses_away_ = 0;   // published since one of our own came back
   bool deaf_ = false;
   std::array<std::int64_t, 17> next_log_{}; // by reason or event: when it may be logged again
 };

@@ -16,9 +16,10 @@ namespace torqued
 /// Follows one stream of desired states. Times are µs of a monotonic clock, which the caller reads.
 ///
 /// A stream is followed until it has been silent, without an accepted sample, for 5 × max_age in which the process ran
-/// and no message was lost; a sample that waits for its answer keeps its stream. Only then is another stream followed.
-/// Order and clock offset belong to a stream_id, for good: a stream that was silent, or left, goes on where it was.
-/// Those of the last kRemembered streams that were left are kept; a stream counts once one of its samples was accepted.
+/// and kept up, and no message was lost; a sample that waits for its answer keeps its stream. Only then is another
+/// stream followed. Order and clock offset belong to a stream_id, for good: a stream that was silent, or left, goes on
+/// where it was. Those of the last kRemembered streams that were left are kept; a stream counts once one of its samples
+/// was accepted.
 ///
 /// Age: the sender's clock and ours need not agree. A sample's delay is our arrival time minus its utime; its age is
 /// its delay minus the smallest delay of its stream so far, which is forgotten no faster than clocks drift: kDrift of
@@ -45,7 +46,7 @@ public:
   /// The process itself did not run for this long (µs): it counts as no one's silence.
   void pause(std::int64_t duration) { paused_ += duration; }
 
-  /// Messages of any stream may have been lost until now: it counts as no one's silence until now.
+  /// Until now messages of any stream may have been lost, or may still wait: that counts as no one's silence.
   void note_loss(std::int64_t now) { lost_until_ = running(now); }
 
   bool following() const { return following_; }

@@ -49,7 +49,7 @@ std::string flaw_of(const model_info_t& model)
   };
   const auto is_limit = [](double limit)
   {
-    return limit > 0.0; // or infinite
+    return limit >= 0.0; // or infinite
   };
   if (model.name.empty())
     return "it has no name";
