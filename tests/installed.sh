@@ -8,6 +8,15 @@ torqued=''
 trap 'kill $torqued 2> /dev/null || true; rm -rf "$folder"' EXIT
 cmake --install "$build" --prefix "$folder/usr" > "$folder/install.log"
 
+# the daemon alone; and nothing as long as something is not built
+cmake --install "$build" --component torqued --prefix "$folder/daemon" > "$folder/component.log"
+[ "$(cd "$folder/daemon" && find . -type f | sort | tr '\n' ' ')" = \
+  './bin/torqued ./lib/systemd/system/torqued.service ./lib/systemd/system/torqued@.service ' ]
+sed 's|/libtorqued-client[.]a|/nothing.a|' "$build/cmake_install.cmake" > "$folder/broken.cmake"
+if cmake -D CMAKE_INSTALL_PREFIX="$folder/nothing" -P "$folder/broken.cmake" > "$folder/broken.log" 2>&1; then exit 1; fi
+tr -s ' \n' ' ' < "$folder/broken.log" | grep -q 'nothing.a is not built, and nothing was installed'
+[ ! -e "$folder/nothing" ]
+
 cp -r "$folder"/usr/share/doc/torqued/example "$folder/example"
 cmake -S "$folder/example" -B "$folder/build" -D CMAKE_PREFIX_PATH="$folder/usr" -D CMAKE_BUILD_TYPE=Release > "$folder/cmake.log"
 cmake --build "$folder/build" > "$folder/build.log"

@@ -1,6 +1,7 @@
-// Tests that are the better the longer they run. SOAK_MINUTES, STORM_MESSAGES and FLOOD_RUNS say how long, SEED repeats
-// a run.
+// Tests that are the better the longer they run. SOAK_MINUTES, STORM_MESSAGES and ATTACK_SCALE say how long, SEED
+// repeats a run.
 
+#include "attack_scale.h"
 #include "catch.h"
 #include "daemon_bench.h"
 #include "flood.h"
@@ -216,7 +217,7 @@ TEST_CASE("of messages made at random each is counted, none makes torqued alloca
 
 TEST_CASE("a client that floods takes over no stream, whatever finds no room", "[long_process]")
 {
-  const auto runs = static_cast<int>(number_from_environment("FLOOD_RUNS", 1));
+  const int runs = 2 * attack_scale();
   std::int64_t sent = 0, lost = 0, starved = 0;
   for (int i = 0; i < runs; ++i)
   {

@@ -1,3 +1,4 @@
+#include "attack_scale.h"
 #include "catch.h"
 #include "daemon_bench.h"
 #include "relay.h"
@@ -124,7 +125,8 @@ TEST_CASE("what comes late after a gap is refused, however long the gap was", "[
     const std::size_t before = bench.commands.size();
     REQUIRE(before > 0);
     // a link that was held up goes on as late as it is
-    for (int i = 0; i < 200; ++i)
+    const int samples = 200 * attack_scale();
+    for (int i = 0; i < samples; ++i)
     {
       desired_state_t desired = bench.standing();
       desired.utime -= std::chrono::microseconds(late).count();
@@ -132,7 +134,7 @@ TEST_CASE("what comes late after a gap is refused, however long the gap was", "[
       bench.hear_for(1ms);
     }
     CHECK(bench.commands.size() == before);
-    CHECK(bench.rejected(rejection_t::STALE) >= 200);
+    CHECK(bench.rejected(rejection_t::STALE) >= static_cast<std::size_t>(samples));
     bench.send_one(bench.standing());
     CHECK(bench.commands.size() == before + 1);
     bench.check_account();

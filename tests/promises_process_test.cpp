@@ -1,3 +1,4 @@
+#include "attack_scale.h"
 #include "catch.h"
 #include "daemon_bench.h"
 #include "flood.h"
@@ -340,7 +341,7 @@ TEST_CASE("a client that floods takes no stream over, and keeps nobody from answ
     const status_t before = bench.statuses.back();
     const int fed = systemd.heard("WATCHDOG=1");
     const Flood flood(bytes, samples ? 55'000 : 100'000);
-    bench.stream(std::chrono::milliseconds(1500));
+    bench.stream(std::chrono::milliseconds(1500) * attack_scale());
     const status_t during = bench.statuses.back();
     const double seconds = 1e-6 * static_cast<double>(during.uptime_us - before.uptime_us);
     const auto answered = static_cast<double>(during.answered - before.answered);
