@@ -240,8 +240,9 @@ void LcmLoop::answer_sample(const DesiredState& desired, std::int64_t arrival)
     return reject(sender, *refusal);
 
   const std::int64_t begin = nanoseconds(CLOCK_MONOTONIC);
+  StreamMemory memory = memory_;
   const Result<Answer> answered =
-      answer(robot_, config_.answers, desired, memory_, OwnClock{begin / 1000, max_age_us(config_)});
+      answer(robot_, config_.answers, desired, memory, OwnClock{begin / 1000, max_age_us(config_)});
   const std::int64_t end = nanoseconds(CLOCK_MONOTONIC);
   if (const Refusal* refusal = std::get_if<Refusal>(&answered))
     return reject(sender, *refusal);
@@ -249,12 +250,20 @@ void LcmLoop::answer_sample(const DesiredState& desired, std::int64_t arrival)
   fill(command_, std::get<Answer>(answered), robot_.model_id, status_.settings_id);
   command_.sequence = status_.answered + 1;
   command_.compute_ns = static_cast<std::int32_t>(std::min<std::int64_t>(end - begin, INT32_MAX));
-  if (static_cast<double>(monotonic_us() - arrival) > 1e6 * config_.deadline)
-  {
-    command_.flags |= flag::late;
-    ++status_.late;
-  }
-  publish(channels_.command, command_);
+  const bool late = static_cast<double>(monotonic_us() - arrival) > 1e6 * config_.deadline;
+  command_.flags |= late ? flag::late : 0;
+  const Bytes bytes = encode(command_, buffer_);
+
+  // a last look at the clock: what stopped this process until now made the torques old
+  const std::int64_t now = monotonic_us();
+  notice_own_stall(now);
+  if (!config_.every_sample && now - arrival > max_age_us(config_))
+    return reject(sender,
+                  Refusal(Reason::stale, "the answer was ready {} us after its sample had come; max_age is {} us",
+                          now - arrival, max_age_us(config_)));
+  send(channels_.command, bytes);
+  memory_ = memory;
+  status_.late += late ? 1 : 0;
   ++status_.answered;
   ++status_.received;
   latencies_.add(static_cast<double>(monotonic_us() - arrival));
@@ -398,7 +407,11 @@ void LcmLoop::publish_status(std::int8_t state)
 
 template <typename Message> void LcmLoop::publish(const std::string& channel, const Message& message)
 {
-  const Bytes bytes = encode(message, buffer_);
+  send(channel, encode(message, buffer_));
+}
+
+void LcmLoop::send(const std::string& channel, Bytes bytes)
+{
   if (bus_.publish(channel, bytes.data(), static_cast<unsigned int>(bytes.size())) != 0 &&
       may_log(kBusTookNoMessage, kSecond))
     log_.error("the bus did not take a message of {} bytes on {}", bytes.size(), channel);

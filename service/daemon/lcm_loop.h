@@ -89,6 +89,7 @@ private:
   bool may_log(std::size_t what, std::int64_t period);
 
   template <typename Message> void publish(const std::string& channel, const Message& message);
+  void send(const std::string& channel, Bytes bytes);
 
   lcm::LCM& bus_;
   Receiver& receiver_;
