@@ -54,7 +54,8 @@ std::uint32_t big_endian(std::string_view bytes)
   return number;
 }
 
-// Goes on behind the program if the bytes at this place are these, else to its end + skipped instructions.
+// Goes on behind the program if the bytes at this place are these. Each second instruction leaves it if not: its caller
+// says by jf how far.
 std::vector<sock_filter> compare(std::uint32_t at, std::string_view bytes)
 {
   std::vector<sock_filter> program;
