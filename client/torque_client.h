@@ -61,8 +61,8 @@ public:
   using Clock = std::chrono::steady_clock;
 
   /// Opens the bus. lcm_url: empty for LCM_DEFAULT_URL, or LCM's default; prefix: stands before each channel's name.
-  /// Throws std::runtime_error, with what to do, if the bus cannot be opened or does not carry messages; to find that
-  /// out takes LCM ten seconds.
+  /// Throws std::runtime_error, with what to do, if the bus cannot be opened or does not carry messages: at once if its
+  /// URL says so already, else after the ten seconds for which LCM looks for its own message.
   explicit TorqueClient(const std::string& lcm_url = "", const std::string& prefix = "");
   TorqueClient(const TorqueClient&) = delete;
   TorqueClient& operator=(const TorqueClient&) = delete;

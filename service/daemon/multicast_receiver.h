@@ -30,6 +30,7 @@ public:
   int fd() override { return fd_; }
   bool holds() const override { return next_ < read_; }
   bool take() override;
+  /// But for messages that come in fragments of IP of less than 24 bytes, whose losses may go uncounted.
   std::int64_t most_lost() const override { return most_lost_; }
 
 private:

@@ -33,7 +33,8 @@ public:
   /// Hands the next message over, without waiting for one. false: none is there.
   virtual bool take() = 0;
 
-  /// At most so many messages of any channel found no room and were lost since the start; −1: not known.
+  /// At most so many messages of the subscribed channels found no room at this receiver and were lost since the start;
+  /// −1: not known.
   virtual std::int64_t most_lost() const = 0;
 };
 
