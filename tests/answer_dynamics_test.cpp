@@ -2,7 +2,7 @@
 #include "matchers.h"
 #include "states.h"
 
-#include "daemon/answer_dynamics.h"
+#include "answer/answer_dynamics.h"
 
 #include <functional>
 #include <map>

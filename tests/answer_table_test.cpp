@@ -1,7 +1,7 @@
 #include "catch.h"
 
-#include "client/answer_table.h"
-#include "client/csv_lines.h"
+#include "motion/csv_lines.h"
+#include "study/answer_table.h"
 
 #include <bit>
 #include <charconv>

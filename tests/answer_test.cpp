@@ -2,7 +2,7 @@
 #include "matchers.h"
 #include "oracles.h"
 
-#include "daemon/answer.h"
+#include "answer/answer.h"
 
 #include <cstring>
 #include <limits>

@@ -2,7 +2,7 @@
 #include "matchers.h"
 #include "oracles.h"
 
-#include "torque/checks.h"
+#include "stance/checks.h"
 
 namespace checks_test
 {

@@ -2,7 +2,7 @@
 #include "matchers.h"
 #include "states.h"
 
-#include "torque/torque_method.h"
+#include "methods/torque_method.h"
 
 #include <Eigen/Dense>
 #include <functional>

@@ -3,9 +3,9 @@
 #include "run_torquectl.h"
 #include "temporary_folder.h"
 
-#include "client/measured.h"
-#include "client/trajectory.h"
-#include "robot/newton_euler.h"
+#include "motion/trajectory.h"
+#include "questions/newton_euler.h"
+#include "study/measured.h"
 
 #include <cmath>
 #include <map>

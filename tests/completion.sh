@@ -1,5 +1,5 @@
 #!/bin/bash
-# What bash offers after some words. $1: client/completion.bash; $2, $3: torqued and torquectl.
+# What bash offers after some words. $1: client/commands/completion.bash; $2, $3: torqued and torquectl.
 set -u
 # shellcheck disable=SC1090
 source "$1"

@@ -1,8 +1,9 @@
 #include "catch.h"
 #include "matchers.h"
+#include "methods/torque_method.h"
 
-#include "daemon/config.h"
-#include "robot/strict_toml.h"
+#include "answer/config.h"
+#include "robot/files/strict_toml.h"
 #include "temporary_folder.h"
 
 namespace config_test

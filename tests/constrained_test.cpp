@@ -1,9 +1,10 @@
 #include "double_support.h"
 #include "matchers.h"
+#include "methods/torque_method.h"
 #include "states.h"
 
-#include "torque/checks.h"
-#include "torque/quadratic_program.h"
+#include "methods/quadratic_program.h"
+#include "stance/checks.h"
 
 #include <functional>
 #include <vector>

@@ -2,9 +2,9 @@
 #include "matchers.h"
 #include "states.h"
 
-#include "torque/checks.h"
-#include "torque/contacts.h"
-#include "torque/torque_method.h"
+#include "methods/torque_method.h"
+#include "stance/checks.h"
+#include "stance/contacts.h"
 
 namespace contacts_test
 {

@@ -5,7 +5,7 @@
 #include "process.h"
 #include "temporary_folder.h"
 
-#include "client/files.h"
+#include "motion/files.h"
 #include "wire/dynamics_codec.h"
 
 #include <algorithm>

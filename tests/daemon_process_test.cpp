@@ -2,8 +2,8 @@
 #include "daemon_bench.h"
 #include "temporary_folder.h"
 
-#include "client/files.h"
-#include "robot/robot_files.h"
+#include "motion/files.h"
+#include "robot/files/robot_files.h"
 
 #include <fmt/format.h>
 

@@ -1,7 +1,7 @@
 #include "catch.h"
 #include "matchers.h"
 
-#include "client/daemons.h"
+#include "bus/daemons.h"
 
 #include <algorithm>
 #include <limits>

@@ -1,6 +1,6 @@
 #include "catch.h"
 
-#include "client/diagnosis.h"
+#include "bus/diagnosis.h"
 
 #include <algorithm>
 

@@ -1,10 +1,10 @@
 #include "catch.h"
 
-#include "client/acceleration_noise.h"
-#include "client/differentiation.h"
-#include "client/failure.h"
-#include "client/lowpass.h"
 #include "matchers.h"
+#include "motion/acceleration_noise.h"
+#include "motion/differentiation.h"
+#include "motion/failure.h"
+#include "motion/lowpass.h"
 
 #include <charconv>
 #include <cmath>

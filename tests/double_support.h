@@ -5,7 +5,7 @@
 #include "decompositions.h"
 #include "oracles.h"
 
-#include "torque/torque_method.h"
+#include "methods/torque_method.h"
 
 #include <optional>
 #include <string>

@@ -1,9 +1,10 @@
 #include "catch.h"
 #include "double_support.h"
 #include "matchers.h"
+#include "methods/torque_method.h"
 #include "states.h"
 
-#include "torque/checks.h"
+#include "stance/checks.h"
 
 #include <functional>
 

@@ -4,8 +4,8 @@
 #include "states.h"
 #include "udwadia_kalaba.h"
 
-#include "torque/elimination.h"
-#include "torque/regressor.h"
+#include "questions/elimination.h"
+#include "questions/regressor.h"
 
 #include <functional>
 

@@ -2,7 +2,7 @@
 #include "matchers.h"
 #include "oracles.h"
 
-#include "torque/quadratic_program.h"
+#include "methods/quadratic_program.h"
 
 // CGAL's solver reckons with rational numbers: what it answers is exact
 #include <CGAL/MP_Float.h>

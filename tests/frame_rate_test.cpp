@@ -1,6 +1,6 @@
 #include "catch.h"
 
-#include "client/frame_rate.h"
+#include "motion/frame_rate.h"
 
 #include <charconv>
 #include <cmath>

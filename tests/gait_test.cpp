@@ -3,11 +3,11 @@
 #include "oracles.h"
 #include "run_torquectl.h"
 
-#include "client/failure.h"
-#include "client/gait.h"
-#include "client/trajectory.h"
-#include "torque/checks.h"
-#include "torque/torque_method.h"
+#include "methods/torque_method.h"
+#include "motion/failure.h"
+#include "motion/gait.h"
+#include "motion/trajectory.h"
+#include "stance/checks.h"
 
 #include <filesystem>
 #include <fmt/format.h>

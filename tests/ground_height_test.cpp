@@ -1,12 +1,13 @@
 #include "catch.h"
 #include "matchers.h"
+#include "methods/torque_method.h"
 #include "oracles.h"
 #include "states.h"
 
-#include "client/files.h"
-#include "client/trajectory.h"
-#include "daemon/answer.h"
-#include "torque/projection.h"
+#include "answer/answer.h"
+#include "motion/files.h"
+#include "motion/trajectory.h"
+#include "stance/projection.h"
 
 #include <memory>
 #include <string>

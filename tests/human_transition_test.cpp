@@ -1,8 +1,9 @@
 #include "catch.h"
 #include "double_support.h"
 #include "matchers.h"
+#include "methods/torque_method.h"
 
-#include "torque/checks.h"
+#include "stance/checks.h"
 
 namespace human_transition_test
 {

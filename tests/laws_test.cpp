@@ -4,8 +4,8 @@
 #include "states.h"
 
 #include "planar/dynamics.h"
-#include "torque/equations.h"
-#include "torque/joint_friction.h"
+#include "stance/joint_friction.h"
+#include "stance/support_equations.h"
 
 #include <Eigen/Geometry>
 

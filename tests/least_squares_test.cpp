@@ -5,7 +5,7 @@
 #include "matchers.h"
 #include "oracles.h"
 
-#include "torque/least_squares.h"
+#include "stance/least_squares.h"
 
 namespace least_squares_test
 {

@@ -1,8 +1,9 @@
 #include "catch.h"
 #include "matchers.h"
+#include "methods/torque_method.h"
 #include "oracles.h"
 
-#include "torque/checks.h"
+#include "stance/checks.h"
 
 namespace linear_transition_test
 {

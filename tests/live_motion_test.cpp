@@ -1,8 +1,8 @@
 #include "catch.h"
 #include "matchers.h"
 
-#include "client/gait.h"
-#include "client/live_motion.h"
+#include "motion/gait.h"
+#include "page/live_motion.h"
 
 #include <cmath>
 #include <cstdint>

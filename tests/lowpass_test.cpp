@@ -1,7 +1,7 @@
 #include "catch.h"
 
-#include "client/lowpass.h"
 #include "matchers.h"
+#include "motion/lowpass.h"
 
 #include <cmath>
 #include <complex>

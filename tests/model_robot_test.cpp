@@ -2,10 +2,10 @@
 #include "matchers.h"
 #include "states.h"
 
-#include "client/failure.h"
-#include "client/model_robot.h"
+#include "bus/model_robot.h"
+#include "motion/failure.h"
 #include "planar/kinematics.h"
-#include "robot/strict_toml.h"
+#include "robot/files/strict_toml.h"
 #include "wire/codec.h"
 
 #include <cmath>

@@ -5,7 +5,7 @@
 #include "mujoco_model.h"
 #include "states.h"
 
-#include "torque/equations.h"
+#include "stance/support_equations.h"
 
 namespace mujoco_test
 {

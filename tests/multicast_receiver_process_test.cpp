@@ -2,8 +2,8 @@
 #include "process.h"
 #include "temporary_folder.h"
 
-#include "client/files.h"
 #include "daemon/multicast_receiver.h"
+#include "motion/files.h"
 
 #include <algorithm>
 #include <arpa/inet.h>

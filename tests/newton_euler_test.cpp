@@ -3,8 +3,8 @@
 #include "states.h"
 
 #include "planar/dynamics.h"
-#include "robot/newton_euler.h"
-#include "torque/contacts.h"
+#include "questions/newton_euler.h"
+#include "stance/contacts.h"
 
 #include <Eigen/Geometry>
 #include <algorithm>

@@ -1,11 +1,11 @@
 #include "catch.h"
 
-#include "client/answer_table.h"
-#include "client/daemons.h"
-#include "client/lcm_log.h"
-#include "client/old_messages.h"
-#include "client/trajectory.h"
+#include "bus/daemons.h"
+#include "motion/lcm_log.h"
+#include "motion/old_messages.h"
+#include "motion/trajectory.h"
 #include "run_torquectl.h"
+#include "study/answer_table.h"
 
 #include <bit>
 #include <cmath>

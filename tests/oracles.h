@@ -2,7 +2,7 @@
 #pragma once
 
 #include "robot/robot.h"
-#include "torque/desired_state.h"
+#include "stance/desired_state.h"
 
 #include <Eigen/Core>
 #include <random>

@@ -1,7 +1,7 @@
 #include "catch.h"
 #include "matchers.h"
 
-#include "client/outcome.h"
+#include "study/outcome.h"
 
 namespace outcome_test
 {

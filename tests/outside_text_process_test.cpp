@@ -2,8 +2,8 @@
 #include "process.h"
 #include "temporary_folder.h"
 
-#include "client/files.h"
-#include "robot/printable.h"
+#include "motion/files.h"
+#include "text/printable.h"
 #include "wire/messages.h"
 
 #include <algorithm>

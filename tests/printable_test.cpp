@@ -1,6 +1,6 @@
 #include "catch.h"
 
-#include "robot/printable.h"
+#include "text/printable.h"
 
 #include <random>
 #include <string>

@@ -4,10 +4,10 @@
 #include "run_torquectl.h"
 #include "temporary_folder.h"
 
-#include "client/lcm_log.h"
-#include "client/trajectory.h"
-#include "daemon/answer.h"
-#include "torque/projection.h"
+#include "answer/answer.h"
+#include "motion/lcm_log.h"
+#include "motion/trajectory.h"
+#include "stance/projection.h"
 
 #include <cmath>
 

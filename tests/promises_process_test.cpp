@@ -3,7 +3,7 @@
 #include "daemon_bench.h"
 #include "flood.h"
 
-#include "robot/robot_files.h"
+#include "robot/files/robot_files.h"
 
 #include <algorithm>
 #include <cmath>

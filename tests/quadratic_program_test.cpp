@@ -3,7 +3,7 @@
 #include "matchers.h"
 #include "oracles.h"
 
-#include "torque/quadratic_program.h"
+#include "methods/quadratic_program.h"
 
 #include <Eigen/LU>
 

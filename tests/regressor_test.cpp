@@ -4,8 +4,8 @@
 #include "states.h"
 
 #include "planar/dynamics.h"
-#include "torque/joint_friction.h"
-#include "torque/regressor.h"
+#include "questions/regressor.h"
+#include "stance/joint_friction.h"
 
 namespace regressor_test
 {

@@ -2,12 +2,12 @@
 #include "matchers.h"
 #include "run_torquectl.h"
 
-#include "client/gait.h"
-#include "client/lcm_log.h"
-#include "client/report_page.h"
-#include "client/trajectory.h"
-#include "robot/robot_files.h"
-#include "torque/contacts.h"
+#include "motion/gait.h"
+#include "motion/lcm_log.h"
+#include "motion/trajectory.h"
+#include "page/report_page.h"
+#include "robot/files/robot_files.h"
+#include "stance/contacts.h"
 
 #include <bit>
 #include <cmath>

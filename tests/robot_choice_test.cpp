@@ -1,9 +1,9 @@
 #include "catch.h"
 #include "run_torquectl.h"
 
-#include "client/failure.h"
-#include "client/lcm_log.h"
-#include "client/robot_choice.h"
+#include "commands/robot_choice.h"
+#include "motion/failure.h"
+#include "motion/lcm_log.h"
 #include "wire/codec.h"
 
 #include <filesystem>

@@ -2,8 +2,8 @@
 #include "matchers.h"
 
 #include "planar/kinematics.h"
+#include "robot/files/strict_toml.h"
 #include "robot/robot.h"
-#include "robot/strict_toml.h"
 
 #include <algorithm>
 #include <fstream>

@@ -1,9 +1,9 @@
 /// torquectl, run inside a test.
 #pragma once
 
-#include "client/csv_lines.h"
-#include "client/files.h"
-#include "client/torquectl.h"
+#include "commands/torquectl.h"
+#include "motion/csv_lines.h"
+#include "motion/files.h"
 #include "temporary_folder.h"
 
 #include <cstdio>

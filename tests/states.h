@@ -4,7 +4,7 @@
 #include "biped_of.h"
 #include "oracles.h"
 
-#include "torque/equation_of_motion.h"
+#include "questions/equation_of_motion.h"
 
 #include <fmt/format.h>
 #include <stdexcept>

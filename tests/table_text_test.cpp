@@ -1,9 +1,9 @@
 #include "catch.h"
 
-#include "client/column_names.h"
-#include "client/failure.h"
-#include "client/files.h"
-#include "client/gzip.h"
+#include "motion/column_names.h"
+#include "motion/failure.h"
+#include "motion/files.h"
+#include "motion/gzip.h"
 #include "temporary_folder.h"
 
 #include <algorithm>

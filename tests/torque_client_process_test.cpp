@@ -1,6 +1,6 @@
 #include "daemon_bench.h"
 
-#include "client/torque_client.h"
+#include "library/torque_client.h"
 #include "robot/robot.h"
 #include "wire/codec.h"
 

@@ -2,8 +2,8 @@
 #include "matchers.h"
 #include "run_torquectl.h"
 
-#include "client/answer_table.h"
 #include "robot/robot.h"
+#include "study/answer_table.h"
 
 #include <Eigen/Cholesky>
 #include <algorithm>

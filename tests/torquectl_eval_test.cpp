@@ -1,13 +1,13 @@
 #include "catch.h"
 
-#include "client/answer_table.h"
-#include "client/files.h"
-#include "client/lcm_log.h"
-#include "client/trajectory.h"
 #include "daemon/lcm_loop.h"
 #include "daemon/lcm_receiver.h"
-#include "robot/robot_files.h"
+#include "motion/files.h"
+#include "motion/lcm_log.h"
+#include "motion/trajectory.h"
+#include "robot/files/robot_files.h"
 #include "run_torquectl.h"
+#include "study/answer_table.h"
 
 #include <algorithm>
 #include <array>

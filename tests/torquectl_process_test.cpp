@@ -3,7 +3,7 @@
 #include "temporary_folder.h"
 #include "view_client.h"
 
-#include "client/files.h"
+#include "motion/files.h"
 #include "wire/codec.h"
 
 #include <algorithm>

@@ -1,10 +1,10 @@
 #include "catch.h"
 
-#include "client/failure.h"
-#include "client/files.h"
-#include "client/lcm_log.h"
-#include "client/measured.h"
-#include "client/trajectory.h"
+#include "motion/failure.h"
+#include "motion/files.h"
+#include "motion/lcm_log.h"
+#include "motion/trajectory.h"
+#include "study/measured.h"
 #include "temporary_folder.h"
 
 #include <algorithm>

@@ -1,7 +1,7 @@
 /// Accelerations under constraints without a matrix F and without multipliers.
 #pragma once
 
-#include "torque/equation_of_motion.h"
+#include "questions/equation_of_motion.h"
 
 namespace torqued
 {

@@ -4,7 +4,7 @@
 #include "urdf_walker.h"
 
 #include "planar/kinematics.h"
-#include "robot/robot_files.h"
+#include "robot/files/robot_files.h"
 
 #include <Eigen/Geometry>
 

@@ -4,8 +4,8 @@
 #include "same_numbers.h"
 #include "temporary_folder.h"
 
-#include "robot/robot_files.h"
-#include "robot/strict_toml.h"
+#include "robot/files/robot_files.h"
+#include "robot/files/strict_toml.h"
 
 namespace urdf_test
 {

@@ -1,8 +1,8 @@
 /// A small URDF with room for whatever an exporter may write.
 #pragma once
 
+#include "robot/files/strict_toml.h"
 #include "robot/robot.h"
-#include "robot/strict_toml.h"
 
 #include <fmt/format.h>
 #include <string>

@@ -2,10 +2,10 @@
 #include "process.h"
 #include "temporary_folder.h"
 
-#include "client/files.h"
-#include "client/lcm_log.h"
-#include "client/measured.h"
-#include "client/trajectory.h"
+#include "motion/files.h"
+#include "motion/lcm_log.h"
+#include "motion/trajectory.h"
+#include "study/measured.h"
 #include "wire/codec.h"
 
 #include <algorithm>

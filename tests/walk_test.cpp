@@ -1,9 +1,9 @@
 #include "catch.h"
 
-#include "client/csv_lines.h"
-#include "client/files.h"
-#include "client/trajectory.h"
-#include "daemon/answer.h"
+#include "answer/answer.h"
+#include "motion/csv_lines.h"
+#include "motion/files.h"
+#include "motion/trajectory.h"
 
 #include <algorithm>
 #include <charconv>

@@ -1,8 +1,8 @@
 #include "catch.h"
 #include "matchers.h"
 
-#include "client/gait.h"
-#include "client/world_path.h"
+#include "motion/gait.h"
+#include "study/world_path.h"
 
 namespace world_path_test
 {

@@ -1,8 +1,8 @@
 /// The daemon's loop: carries bytes from the bus to the line of answer.h, and its answers back.
 #pragma once
 
-#include "daemon/answer_dynamics.h"
-#include "daemon/config.h"
+#include "answer/answer_dynamics.h"
+#include "answer/config.h"
 #include "daemon/latency.h"
 #include "daemon/receiver.h"
 #include "daemon/stream_gate.h"

@@ -1,9 +1,9 @@
-#include "daemon/config.h"
+#include "answer/config.h"
 #include "daemon/lcm_loop.h"
 #include "daemon/lcm_receiver.h"
 #include "daemon/multicast_receiver.h"
-#include "robot/printable.h"
-#include "robot/strict_toml.h"
+#include "robot/files/strict_toml.h"
+#include "text/printable.h"
 #include "wire/bus_url.h"
 
 #include <CLI/CLI.hpp>

@@ -1,7 +1,7 @@
 /// Which desired states may be answered: one stream at a time, in order, not too old.
 #pragma once
 
-#include "torque/refusal.h"
+#include "stance/refusal.h"
 #include "wire/codec.h"
 
 #include <array>

@@ -2,9 +2,9 @@
 
 #include "planar/inverse.h"
 #include "planar/kinematics.h"
+#include "robot/files/strict_toml.h"
+#include "robot/files/urdf_unread.h"
 #include "robot/fnv.h"
-#include "robot/strict_toml.h"
-#include "robot/urdf_unread.h"
 
 #include <algorithm>
 #include <cmath>

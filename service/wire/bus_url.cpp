@@ -1,6 +1,6 @@
 #include "wire/bus_url.h"
 
-#include "robot/printable.h"
+#include "text/printable.h"
 
 #include <arpa/inet.h>
 #include <cerrno>

@@ -1,5 +1,6 @@
 #include "wire/codec.h"
 
+#include "methods/torque_method.h"
 #include "wire/fields.h"
 
 #include <array>

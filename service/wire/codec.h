@@ -1,7 +1,7 @@
 /// Between messages and what they mean to a robot: desired states, checked before they are believed, and answers.
 #pragma once
 
-#include "torque/checks.h"
+#include "stance/checks.h"
 #include "wire/messages.h"
 
 namespace torqued

@@ -1,7 +1,7 @@
 /// Requests for the equation of motion, and their answers, checked like all other messages (codec.h).
 #pragma once
 
-#include "torque/equation_of_motion.h"
+#include "questions/equation_of_motion.h"
 #include "wire/codec.h"
 
 #include <torqued/dynamics_request_t.hpp>

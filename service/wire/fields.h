@@ -1,8 +1,8 @@
 /// What checks of the fields of messages have in common.
 #pragma once
 
-#include "torque/desired_state.h"
-#include "torque/refusal.h"
+#include "stance/desired_state.h"
+#include "stance/refusal.h"
 #include "wire/cursor.h"
 #include "wire/finite.h"
 

@@ -7,7 +7,7 @@
 #include "bench/page.h"
 #include "bench/servers.h"
 
-#include "client/files.h"
+#include "motion/files.h"
 
 #include <CLI/CLI.hpp>
 #include <algorithm>

@@ -1,16 +1,17 @@
 #include "bench/computations.h"
+#include "methods/torque_method.h"
 
 #include "bench/full_form.h"
 #include "bench/peers.h"
 #include "biped_of.h"
 #include "udwadia_kalaba.h"
 
-#include "client/files.h"
-#include "client/gait.h"
-#include "client/trajectory.h"
-#include "daemon/answer.h"
+#include "answer/answer.h"
+#include "motion/files.h"
+#include "motion/gait.h"
+#include "motion/trajectory.h"
 #include "planar/dynamics.h"
-#include "torque/elimination.h"
+#include "questions/elimination.h"
 
 #include <Eigen/Cholesky>
 #include <algorithm>

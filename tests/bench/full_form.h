@@ -2,7 +2,7 @@
 /// nothing of how it is made.
 #pragma once
 
-#include "torque/torque_method.h"
+#include "methods/torque_method.h"
 
 #include <Eigen/Core>
 

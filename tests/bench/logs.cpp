@@ -4,9 +4,9 @@
 #include "process.h"
 #include "temporary_folder.h"
 
-#include "client/files.h"
-#include "client/lcm_log.h"
-#include "client/trajectory.h"
+#include "motion/files.h"
+#include "motion/lcm_log.h"
+#include "motion/trajectory.h"
 
 #include <fmt/format.h>
 #include <lcm/lcm-cpp.hpp>

@@ -1,8 +1,8 @@
 #include "require.h"
 
-#include "daemon/config.h"
-#include "robot/robot_files.h"
-#include "robot/strict_toml.h"
+#include "answer/config.h"
+#include "robot/files/robot_files.h"
+#include "robot/files/strict_toml.h"
 
 #include <cstddef>
 #include <cstdint>

@@ -3,9 +3,9 @@
 
 #include "require.h"
 
-#include "daemon/answer.h"
-#include "daemon/answer_dynamics.h"
-#include "robot/robot_files.h"
+#include "answer/answer.h"
+#include "answer/answer_dynamics.h"
+#include "robot/files/robot_files.h"
 #include "wire/finite.h"
 
 #include <algorithm>

@@ -1,4 +1,4 @@
-#include "robot/strict_toml.h"
+#include "robot/files/strict_toml.h"
 #include "robot_fuzz.h"
 
 #include <cstddef>

@@ -2,11 +2,11 @@
 
 #include "require.h"
 
-#include "client/failure.h"
-#include "client/gzip.h"
-#include "client/lcm_log.h"
-#include "client/trajectory.h"
-#include "robot/robot_files.h"
+#include "motion/failure.h"
+#include "motion/gzip.h"
+#include "motion/lcm_log.h"
+#include "motion/trajectory.h"
+#include "robot/files/robot_files.h"
 #include "wire/finite.h"
 
 #include <algorithm>

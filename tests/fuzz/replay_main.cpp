@@ -1,6 +1,6 @@
 // Runs a fuzz target on every file of a folder.
 
-#include "robot/strict_toml.h"
+#include "robot/files/strict_toml.h"
 
 #include <cstddef>
 #include <cstdint>

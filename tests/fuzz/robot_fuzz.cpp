@@ -3,7 +3,7 @@
 #include "require.h"
 
 #include "planar/dynamics.h"
-#include "robot/robot_files.h"
+#include "robot/files/robot_files.h"
 
 #include <exception>
 #include <fmt/format.h>

@@ -1,0 +1,221 @@
+#include "motion/gait.h"
+#include "commands/robot_choice.h"
+#include "commands/subcommands.h"
+#include "motion/files.h"
+#include "motion/unit_names.h"
+#include "study/answer_table.h"
+
+#include <CLI/CLI.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <fmt/format.h>
+#include <limits>
+#include <memory>
+#include <optional>
+
+namespace torqued
+{
+
+namespace
+{
+
+// Options as given: lengths in m, times in s, angles in degrees.
+struct GaitCommand
+{
+  std::string out, robot;
+  std::optional<double> step_length, step_time, double_support, first_part, heel_strike, toe_off, hip_height, clearance,
+      trunk_angle, standing;
+  bool flat_footed = false, anyway = false;
+  std::optional<int> steps;
+  double rate = 200.0;
+};
+
+GaitOptions chosen(const GaitCommand& command, const Robot& robot)
+{
+  GaitOptions options = default_gait(robot);
+  const auto set = [](double& option, const std::optional<double>& value, double unit = 1.0)
+  {
+    if (value)
+      option = *value * unit;
+  };
+  set(options.step_length, command.step_length);
+  set(options.step_time, command.step_time);
+  set(options.double_support, command.double_support);
+  set(options.first_part, command.first_part);
+  set(options.heel_strike, command.heel_strike, kDegree);
+  set(options.toe_off, command.toe_off, kDegree);
+  set(options.hip_height, command.hip_height);
+  set(options.clearance, command.clearance);
+  set(options.trunk_angle, command.trunk_angle, kDegree);
+  set(options.standing, command.standing);
+  options.flat_footed = command.flat_footed;
+  options.steps = command.steps.value_or(options.steps);
+  return options;
+}
+
+// Lowers the hips as far as it must where the user has not said how high they are.
+Gait find_gait(const GaitCommand& command, const Robot& robot)
+{
+  GaitOptions options = chosen(command, robot);
+  const double lowest = 0.75 * options.hip_height, step = 0.02 * options.hip_height;
+  for (;; options.hip_height -= step)
+    try
+    {
+      return Gait(robot, options);
+    }
+    catch (const LegTooShort&)
+    {
+      if (command.hip_height || options.hip_height - step < lowest)
+        throw;
+    }
+}
+
+// Writes the walk at a rate, and at each change of contacts the instant twice: as the end of one phase, and 1 µs later
+// as the begin of the next.
+int write(const Gait& gait, const Robot& robot, double rate, OutputFile& file)
+{
+  std::vector<std::string> names = robot.absolute_names;
+  names.insert(names.end(), robot.base_names.begin(), robot.base_names.end());
+  std::vector<std::string> header{"utime"};
+  for (const char* derivative : {"", "d", "dd"})
+    for (const std::string& name : names)
+      header.push_back(derivative + name);
+  for (const char* column : {"contactL", "contactR", "leading", "load_transfer", "phase"})
+    header.emplace_back(column);
+  file.write(csv_line(header) + robot_lines(robot.name, robot.model_id));
+  const GaitOptions& o = gait.options();
+  file.write(fmt::format(
+      "# torquectl gait --robot {} --step-length {} --step-time {} --double-support {} --first-part {} --heel-strike "
+      "{:.6g} --toe-off {:.6g} --hip-height {} --clearance {} --trunk-angle {:.6g} --standing {} --steps {} --rate "
+      "{}{}\n"
+      "# Where contacts change, two rows show the same instant, 1 us apart: as the end of one phase and the begin of "
+      "the "
+      "next.\n",
+      robot.name, o.step_length, o.step_time, o.double_support, o.first_part, o.heel_strike / kDegree,
+      o.toe_off / kDegree, o.hip_height, o.clearance, o.trunk_angle / kDegree, o.standing, o.steps, rate,
+      o.flat_footed ? " --flat-footed" : ""));
+
+  int rows = 0;
+  const auto row = [&](std::int64_t utime, double t, const GaitPhase& phase)
+  {
+    const DesiredState state = gait.at(t, phase);
+    std::vector<std::string> cells{fmt::format("{}", utime)};
+    for (const VectorQ* numbers : {&state.q, &state.v, &state.a})
+      for (const double number : *numbers)
+        cells.push_back(number_cell(number));
+    cells.emplace_back(name_of(state.support.of(Side::left)));
+    cells.emplace_back(name_of(state.support.of(Side::right)));
+    cells.emplace_back(state.support.leading == Side::left ? "L" : "R");
+    cells.push_back(number_cell(state.support.load_transfer));
+    cells.push_back(number_cell(state.support.phase));
+    file.write(csv_line(cells));
+    ++rows;
+  };
+  const auto micros = [](double t)
+  {
+    return static_cast<std::int64_t>(std::llround(1e6 * t));
+  };
+  for (const GaitPhase& phase : gait.phases())
+  {
+    const std::int64_t begin = micros(phase.begin) + (phase.begin > 0.0 ? 1 : 0);
+    const std::int64_t end = micros(phase.end);
+    row(begin, phase.begin, phase);
+    for (auto k = static_cast<std::int64_t>(std::ceil(phase.begin * rate)); micros(static_cast<double>(k) / rate) < end;
+         ++k)
+      if (const double t = static_cast<double>(k) / rate; micros(t) > begin)
+        row(micros(t), t, phase);
+    row(end, phase.end, phase);
+  }
+  return rows;
+}
+
+ExitCode run_gait(const GaitCommand& command)
+{
+  if (!command.out.ends_with(".csv") && command.out != "-")
+    throw Failure(ExitCode::usage,
+                  fmt::format("-o: found \"{}\"; expected a name that ends in .csv, or -", command.out));
+  const Robot robot = require_robot(command.robot);
+  const Gait gait = find_gait(command, robot);
+  const GaitOptions& options = gait.options();
+  double shortest = std::numeric_limits<double>::infinity();
+  for (const GaitPhase& phase : gait.phases())
+    shortest = std::min(shortest, phase.end - phase.begin);
+  if (!(shortest * command.rate >= 1.0 && command.rate <= 1e5))
+    throw Failure(
+        ExitCode::usage,
+        fmt::format("--rate: found {:g}; expected {:.4g} to 100000 Hz, so that each phase has a sample of its own",
+                    command.rate, 1.0 / shortest));
+  const std::string obstacle = gait.obstacle();
+  if (!obstacle.empty() && !command.anyway)
+    throw Failure(ExitCode::usage,
+                  fmt::format("{} cannot walk like this: {}; --anyway writes it all the same", robot.name, obstacle));
+  OutputFile file(command.out);
+  const int rows = write(gait, robot, command.rate, file);
+  file.close();
+
+  const GaitReport& report = gait.report();
+  note(fmt::format("{} walks {} steps of {:.3f} m and {:.3f} s, {:.2f} m/s{}; {} samples", robot.name, options.steps,
+                   options.step_length, options.step_time, options.step_length / options.step_time,
+                   options.standing > 0.0 ? ", from standing to standing" : "", rows));
+  std::string margins = fmt::format("the zero-moment point stays {:.3f} m inside what carries", report.zmp_margin);
+  if (std::isfinite(report.switch_margin))
+    margins += fmt::format(", and {:.3f} m between toe and heel where the trailing heel lifts", report.switch_margin);
+  note(margins);
+  if (!command.hip_height && options.hip_height < default_gait(robot).hip_height)
+    note(fmt::format("the hips are {:.3f} m high, so that the legs reach", options.hip_height));
+  if (!obstacle.empty())
+    note(obstacle);
+  return ExitCode::done;
+}
+
+} // namespace
+
+Subcommand add_gait(CLI::App& torquectl)
+{
+  const auto command = std::make_shared<GaitCommand>();
+  CLI::App* app = torquectl.add_subcommand("gait", "make up a walk of a robot with feet and knees");
+  app->add_option("-o,--output", command->out, "where the walk goes, .csv; - is the standard output")
+      ->type_name("OUT")
+      ->required();
+  add_robot_option(*app, command->robot, "no default");
+  const auto add = [&](const char* name, std::optional<double>& value, const char* what, const char* unit)
+  {
+    app->add_option(name, value, what)->type_name(unit);
+  };
+  add("--step-length", command->step_length, "from one foothold to the next; default: 0.45 leg lengths", "M");
+  add("--step-time", command->step_time, "of a single and a double support; default: 2.6 sqrt(leg length / gravity)",
+      "S");
+  add("--double-support", command->double_support, "share of the step time; default: 0.4", "SHARE");
+  add("--first-part", command->first_part,
+      "share of double support in which the trailing foot is still flat; default: 0.5", "SHARE");
+  add("--heel-strike", command->heel_strike, "pitch of the foot that lands, toe up; default: 10", "DEGREES");
+  add("--toe-off", command->toe_off, "pitch of the foot that lifts, heel up; default: 15", "DEGREES");
+  add("--hip-height", command->hip_height,
+      "of the base point; default: 0.94 leg lengths above the ankles, or as much less as the steps need", "M");
+  add("--clearance", command->clearance, "how much the swinging foot is lifted; default: 0.04 leg lengths", "M");
+  add("--trunk-angle", command->trunk_angle, "counter-clockwise, so that negative leans forward; default: 0",
+      "DEGREES");
+  add("--standing", command->standing,
+      "how long to stand before the first and after the last step, feet side by side; default: not at all", "S");
+  app->add_flag("--flat-footed", command->flat_footed, "keep the feet level: no heel strike, no toe off");
+  app->add_flag("--anyway", command->anyway, "write the walk even if feet or motors cannot do it");
+  app->add_option("--steps", command->steps, "how many; default: 4")->type_name("N");
+  app->add_option("--rate", command->rate, "samples per second; default: 200")->type_name("HZ");
+  app->footer(
+      "The walk goes SSP, DSP1 (trailing sole, leading heel), DSP2 (trailing toe, leading sole), SSP; flat-footed "
+      "with\n"
+      "both soles on the ground in between. It is refused, with what to change, if a leg is too short, or if with the\n"
+      "method constrained a foot would slip, lift or tip or a motor would pass its limit. Feet rest where\n"
+      "contacts change, and positions, rates and accelerations are continuous; at each change two rows, 1 us apart, "
+      "show\n"
+      "the same instant as the end of one phase and as the begin of the next.\n\n"
+      "Example:\n"
+      "  torquectl gait --robot rk --step-length 0.4 -o /tmp/walk.csv && torquectl compare /tmp/walk.csv --robot rk");
+  return {app, [command]
+          {
+            return run_gait(*command);
+          }};
+}
+
+} // namespace torqued

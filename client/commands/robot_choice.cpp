@@ -1,0 +1,305 @@
+#include "commands/robot_choice.h"
+
+#include "bus/model_robot.h"
+#include "commands/subcommands.h"
+#include "motion/failure.h"
+#include "motion/lcm_log.h"
+#include "motion/table_text.h"
+#include "text/printable.h"
+#include "wire/codec.h"
+
+#include <algorithm>
+#include <charconv>
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+namespace torqued
+{
+
+namespace
+{
+
+using Source = NamedRobots::Source;
+using Named = NamedRobots::Named;
+
+constexpr std::string_view kRobot = "robot:", kModelId = "model_id:";
+
+std::string how_to_say()
+{
+  return fmt::format("say --robot NAME|FILE (robots that ship: {})", fmt::join(shipped_robot_names(), ", "));
+}
+
+// without the spaces around it, and without the empty cells that spreadsheets append to a comment line
+std::string_view trimmed(std::string_view text)
+{
+  const std::size_t first = text.find_first_not_of(" \t");
+  const std::size_t last = text.find_last_not_of(" \t\r,;");
+  return first == std::string_view::npos || last < first || last == std::string_view::npos
+             ? std::string_view()
+             : text.substr(first, last - first + 1);
+}
+
+// Collects what the comment lines of a CSV say.
+class CommentLines
+{
+public:
+  explicit CommentLines(const std::string& file) : file_(file) {}
+
+  // what follows the # of a comment
+  void read(std::string_view comment, std::size_t line)
+  {
+    comment = trimmed(comment);
+    if (comment.starts_with(kRobot))
+      set(name_, parse_name(trimmed(comment.substr(kRobot.size())), line), kRobot, line);
+    else if (comment.starts_with(kModelId))
+      set(model_id_, parse_id(trimmed(comment.substr(kModelId.size())), line), kModelId, line);
+  }
+
+  std::optional<Named> robot() const
+  {
+    if (!name_ && model_id_)
+      throw Failure(ExitCode::bad_data,
+                    fmt::format("{}: found a comment line \"# model_id:\" without a line \"# robot: "
+                                "NAME\"; expected both, or none",
+                                file_));
+    return name_ ? std::optional(Named{*name_, model_id_}) : std::nullopt;
+  }
+
+private:
+  std::string parse_name(std::string_view text, std::size_t line) const
+  {
+    if (text.empty())
+      throw Failure(ExitCode::bad_data, fmt::format("{}:{}: robot: found nothing; expected its name", file_, line));
+    return std::string(text);
+  }
+
+  std::int64_t parse_id(std::string_view text, std::size_t line) const
+  {
+    std::int64_t id = 0;
+    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), id);
+    if (error != std::errc() || end != text.data() + text.size())
+      throw Failure(ExitCode::bad_data, fmt::format("{}:{}: model_id: found \"{}\"; expected a whole number, as "
+                                                    "torquectl model prints it",
+                                                    file_, line, printable(std::string(text))));
+    return id;
+  }
+
+  template <typename Value>
+  void set(std::optional<Value>& value, const Value& found, std::string_view key, std::size_t line)
+  {
+    if (value && *value != found)
+      throw Failure(ExitCode::bad_data,
+                    fmt::format("{}:{}: found \"# {} {}\" after \"# {} {}\"; expected one robot in a file", file_, line,
+                                key, printable(fmt::format("{}", found)), key, printable(fmt::format("{}", *value))));
+    value = found;
+  }
+
+  const std::string& file_;
+  std::optional<std::string> name_;
+  std::optional<std::int64_t> model_id_;
+};
+
+std::optional<Named> robot_of_csv(std::string_view bytes, const std::string& file)
+{
+  CommentLines comments(file);
+  const TableText text(bytes, file);
+  LineCutter lines = text.lines();
+  for (std::string_view line; lines.next(line);)
+  {
+    const std::size_t first = line.find_first_not_of(" \t");
+    if (first != std::string_view::npos && line[first] == '#')
+      comments.read(line.substr(first + 1), lines.number());
+  }
+  return comments.robot();
+}
+
+Named named(const model_info_t& model)
+{
+  return {printable(model.name), model.model_id, model};
+}
+
+std::vector<Named> robots_of_log(std::string_view bytes, const Channels& channels)
+{
+  std::vector<Named> robots;
+  LogReader log(bytes);
+  while (const auto record = log.next())
+  {
+    model_info_t model;
+    if (record->channel != channels.model || !decode(record->data, model))
+      continue;
+    if (std::none_of(robots.begin(), robots.end(),
+                     [&](const Named& known) { return known.model_id == model.model_id; }))
+      robots.push_back(named(model));
+  }
+  return robots;
+}
+
+bool same(const Named& named, const std::string& name, std::int64_t model_id)
+{
+  return named.model_id ? *named.model_id == model_id : named.name == name;
+}
+
+// "ck (model_id 5)"
+std::string shown_robot(const std::string& name, std::optional<std::int64_t> model_id)
+{
+  return model_id ? fmt::format("{} (model_id {})", printable(name), *model_id) : printable(name);
+}
+
+std::string shown_robot(const std::vector<Named>& robots)
+{
+  std::vector<std::string> all;
+  for (const Named& robot : robots)
+    all.push_back(shown_robot(robot.name, robot.model_id));
+  return fmt::format("{}", fmt::join(all, " and "));
+}
+
+// "walk.csv names robot ck (model_id 5)"
+std::string statement(const NamedRobots& named)
+{
+  switch (named.source)
+  {
+  case Source::csv: return fmt::format("{} names robot {}", named.file, shown_robot(named.robots));
+  case Source::log: return fmt::format("{} was recorded with robot {}", named.file, shown_robot(named.robots));
+  case Source::daemon: break;
+  }
+  return fmt::format("{} computes {}", named.file, shown_robot(named.robots));
+}
+
+// what to do if the robot that a source names is not the one that is wanted
+std::string remedy(const NamedRobots& named)
+{
+  switch (named.source)
+  {
+  case Source::csv:
+    return "use the robot for which the motion was made or, to use the motion with another one, remove the comment "
+           "lines \"# robot:\" and \"# model_id:\"";
+  case Source::log:
+    return fmt::format("use the robot with which it was recorded or, to use its motion with another one, remove the "
+                       "comment lines \"# robot:\" and \"# model_id:\" of torquectl export {} -o CSV",
+                       named.file);
+  case Source::daemon: break;
+  }
+  return "say the robot that it computes, or start it with the other one";
+}
+
+// Names of the same robot that differ in their model_id: its file, or what reads it, has changed.
+std::string_view if_changed(const NamedRobots& named, const std::string& name)
+{
+  const bool same_name =
+      std::any_of(named.robots.begin(), named.robots.end(), [&](const Named& robot) { return robot.name == name; });
+  return same_name ? " (the robot has been changed since, or torqued has)" : "";
+}
+
+const Named& only_robot(const NamedRobots& named)
+{
+  if (named.robots.empty())
+    throw Failure(ExitCode::bad_data, named.source == Source::log
+                                          ? fmt::format("{} holds no model_info_t, which would name its robot: {}",
+                                                        named.file, how_to_say())
+                                          : fmt::format("{} does not name its robot: {}", named.file, how_to_say()));
+  if (named.robots.size() > 1)
+    throw Failure(ExitCode::bad_data, fmt::format("{}: say by --robot which one is meant", statement(named)));
+  return named.robots.front();
+}
+
+bool ships(const std::string& name)
+{
+  return !shipped_robot_toml(name).empty();
+}
+
+// the robot that ships and is the same one; nothing if none is
+std::optional<Robot> shipped_robot(const Named& named)
+{
+  if (!ships(named.name))
+    return std::nullopt;
+  Robot robot = load_said_robot(named.name);
+  return same(named, robot.name, robot.model_id) ? std::optional(std::move(robot)) : std::nullopt;
+}
+
+} // namespace
+
+std::string robot_lines(const std::string& name, std::int64_t model_id)
+{
+  return fmt::format("# {} {}\n# {} {}\n", kRobot, printable(name), kModelId, model_id);
+}
+
+NamedRobots robots_named_by(std::string_view bytes, const std::string& file, const Channels& channels)
+{
+  if (LogReader::is_log(bytes))
+    return {Source::log, file, robots_of_log(bytes, channels)};
+  NamedRobots named{Source::csv, file};
+  if (const std::optional<Named> robot = robot_of_csv(bytes, file))
+    named.robots.push_back(*robot);
+  return named;
+}
+
+NamedRobots robot_named_by(const model_info_t& daemon)
+{
+  return {Source::daemon, "torqued", {named(daemon)}};
+}
+
+SaidRobot said_robot(const std::string& flag, const std::string& config)
+{
+  return flag.empty() ? SaidRobot{config, "the configuration says"} : SaidRobot{flag, "--robot says"};
+}
+
+Robot load_said_robot(const std::string& name_or_path)
+{
+  Robot robot = load_robot(name_or_path);
+  for (const std::string& line : robot.notes)
+    note(line);
+  return robot;
+}
+
+Robot require_robot(const std::string& said)
+{
+  if (said.empty())
+    throw Failure(ExitCode::usage, fmt::format("no robot is said: {}", how_to_say()));
+  return load_said_robot(said);
+}
+
+Robot choose_robot(const SaidRobot& said, const NamedRobots& named)
+{
+  if (!said.name_or_path.empty())
+  {
+    Robot robot = load_said_robot(said.name_or_path);
+    require_same_robot(named, robot.name, robot.model_id, said.by);
+    return robot;
+  }
+  const Named& only = only_robot(named);
+  if (std::optional<Robot> robot = shipped_robot(only))
+    return std::move(*robot);
+  if (ships(only.name))
+    require_same_robot(named, only.name, load_said_robot(only.name).model_id, "the one that ships is");
+  throw Failure(ExitCode::bad_data,
+                fmt::format("{}, which does not ship; its masses are needed here: say --robot FILE", statement(named)));
+}
+
+Robot choose_drawn_robot(const SaidRobot& said, const NamedRobots& named)
+{
+  if (!said.name_or_path.empty() || named.source == Source::csv)
+    return choose_robot(said, named);
+  const Named& only = only_robot(named);
+  if (std::optional<Robot> robot = shipped_robot(only))
+    return std::move(*robot);
+  return robot_of_model(only.model.value(), named.file);
+}
+
+model_info_t choose_model(const SaidRobot& said, const NamedRobots& log)
+{
+  return said.name_or_path.empty() ? only_robot(log).model.value() : model_info(choose_robot(said, log), 0, 0, "");
+}
+
+void require_same_robot(const NamedRobots& named, const std::string& name, std::int64_t model_id, const std::string& by)
+{
+  const auto is_it = [&](const Named& robot)
+  {
+    return same(robot, name, model_id);
+  };
+  if (named.robots.empty() || std::any_of(named.robots.begin(), named.robots.end(), is_it))
+    return;
+  throw Failure(ExitCode::bad_data, fmt::format("{}, but {} {}{}: {}", statement(named), by,
+                                                shown_robot(name, model_id), if_changed(named, name), remedy(named)));
+}
+
+} // namespace torqued

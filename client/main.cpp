@@ -1,6 +1,0 @@
-#include "client/torquectl.h"
-
-int main(int argc, char** argv)
-{
-  return torqued::torquectl(argc, argv);
-}

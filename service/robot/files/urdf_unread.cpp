@@ -1,0 +1,409 @@
+#include "robot/files/urdf_unread.h"
+
+#include "text/printable.h"
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <cmath>
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+namespace torqued
+{
+
+namespace
+{
+
+constexpr std::size_t kLongestValue = 40;
+
+std::string lower(std::string_view text)
+{
+  std::string result(text);
+  std::transform(result.begin(), result.end(), result.begin(),
+                 [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; });
+  return result;
+}
+
+// a name without its namespace: "drake:rotor_inertia" is "rotor_inertia"
+std::string_view local(std::string_view name)
+{
+  return name.substr(name.rfind(':') + 1); // 0 without one
+}
+
+std::string trimmed(const char* text)
+{
+  const std::string_view all = text ? text : "";
+  const std::size_t begin = all.find_first_not_of(" \t\r\n");
+  const std::size_t end = all.find_last_not_of(" \t\r\n");
+  return begin == std::string_view::npos ? std::string() : std::string(all.substr(begin, end - begin + 1));
+}
+
+std::optional<double> number_in(std::string_view text)
+{
+  if (text.starts_with('+'))
+    text.remove_prefix(1);
+  double value = 0.0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (error != std::errc() || end != text.data() + text.size())
+    return {};
+  return value;
+}
+
+// attributes about motors, and the key of an [[actuator]] that says the same
+struct Meaning
+{
+  std::string_view attribute, key;
+};
+constexpr std::array<Meaning, 15> kMeanings{{{"damping", "viscous"},
+                                             {"friction", "coulomb"},
+                                             {"coulomb_friction", "coulomb"},
+                                             {"frictionloss", "coulomb"},
+                                             {"effort", "torque_limit"},
+                                             {"armature", "rotor_inertia"},
+                                             {"rotor_inertia", "rotor_inertia"},
+                                             {"rotorinertia", "rotor_inertia"},
+                                             {"motor_inertia", "rotor_inertia"},
+                                             {"motorinertia", "rotor_inertia"},
+                                             {"reduction", "rotor_inertia"},
+                                             {"gearratio", "rotor_inertia"},
+                                             {"mechanicalreduction", "rotor_inertia"},
+                                             {"mechanical_reduction", "rotor_inertia"},
+                                             {"gear_ratio", "rotor_inertia"}}};
+
+std::string_view key_of(std::string_view attribute)
+{
+  const std::string name = lower(local(attribute));
+  const auto found = std::find_if(kMeanings.begin(), kMeanings.end(),
+                                  [&](const Meaning& meaning) { return meaning.attribute == name; });
+  return found == kMeanings.end() ? std::string_view() : found->key;
+}
+
+// of a gear: 1 is none
+bool is_ratio(std::string_view attribute)
+{
+  const std::string name = lower(local(attribute));
+  return key_of(name) == "rotor_inertia" && (name.ends_with("reduction") || name.ends_with("ratio"));
+}
+
+// of a motor, before its gear; what is called armature has passed it
+bool is_motors_inertia(std::string_view attribute)
+{
+  const std::string name = lower(local(attribute));
+  return key_of(name) == "rotor_inertia" && name.ends_with("inertia");
+}
+
+// what a value is about: <drake:gear_ratio value="50"> is about gear_ratio
+std::string_view meant(std::string_view element, std::string_view attribute)
+{
+  return attribute.empty() || attribute == "value" ? element : attribute;
+}
+
+// what no torque depends on
+bool bounds_motion(std::string_view attribute)
+{
+  const std::string name = lower(local(attribute));
+  constexpr std::array<std::string_view, 10> bounds{
+      "lower",        "upper", "velocity",         "acceleration",     "jerk",
+      "deceleration", "name",  "soft_lower_limit", "soft_upper_limit", "coulomb_window"};
+  return std::find(bounds.begin(), bounds.end(), name) != bounds.end();
+}
+
+bool says_none(std::string_view attribute, const std::string& text)
+{
+  const std::optional<double> value = number_in(text);
+  if (lower(local(attribute)) != "effort")
+    return value == (is_ratio(attribute) ? 1.0 : 0.0);
+  constexpr double most = 1e9; // N m; more is an exporter's word for "none"
+  return value && (!(*value > 0.0) || *value >= most);
+}
+
+void add_transmission(const tinyxml2::XMLElement& element, Transmission& transmission)
+{
+  for (const auto* child = element.FirstChildElement(); child; child = child->NextSiblingElement())
+  {
+    const std::string_view name = local(child->Name());
+    const char* const attribute = child->Attribute("value");
+    const std::string value = trimmed(attribute ? attribute : child->GetText());
+    const std::string_view key = key_of(name);
+    if (key == "rotor_inertia" && !says_none(name, value))
+      transmission.values.push_back({"transmission", std::string(name), printable(value, kLongestValue), key});
+    else if (name == "joint" && child->Attribute("name"))
+      transmission.joints.emplace_back(child->Attribute("name"));
+    if (name == "joint" || name == "actuator")
+      add_transmission(*child, transmission);
+  }
+}
+
+// letters that are missing, too many, wrong or swapped with the next one
+std::size_t slips(std::string_view a, std::string_view b)
+{
+  std::vector<std::vector<std::size_t>> d(a.size() + 1, std::vector<std::size_t>(b.size() + 1));
+  for (std::size_t i = 0; i <= a.size(); ++i)
+    for (std::size_t j = 0; j <= b.size(); ++j)
+    {
+      if (i == 0 || j == 0)
+      {
+        d[i][j] = i + j;
+        continue;
+      }
+      d[i][j] =
+          std::min({d[i - 1][j] + 1, d[i][j - 1] + 1, d[i - 1][j - 1] + (a[i - 1] == b[j - 1] ? std::size_t{0} : 1)});
+      if (i > 1 && j > 1 && a[i - 1] == b[j - 2] && a[i - 2] == b[j - 1])
+        d[i][j] = std::min(d[i][j], d[i - 2][j - 2] + 1);
+    }
+  return d[a.size()][b.size()];
+}
+
+// the element of URDF that a name is but for a slip of the pen; a vendor's name, which has a prefix, is none
+std::optional<std::string_view> misspelt(std::string_view name)
+{
+  constexpr std::array<std::string_view, 12> known{"inertial", "inertia", "mass",  "origin", "parent",   "child",
+                                                   "axis",     "mimic",   "joint", "link",   "dynamics", "limit"};
+  for (const std::string_view word : known)
+    if (const std::size_t most = word.size() >= 6 ? 2 : 1;
+        name.size() <= word.size() + most && slips(lower(name), word) <= most)
+      return word;
+  return {};
+}
+
+// how rotor_inertia comes of a gear and a motor, with the number if both are known; empty if neither is said
+std::string reflected(const std::vector<UnreadValue>& values)
+{
+  std::vector<double> ratios, inertias;
+  bool is_said = false, is_clear = true;
+  for (const UnreadValue& value : values)
+  {
+    const std::string_view about = meant(value.element, value.attribute);
+    if (!is_ratio(about) && !is_motors_inertia(about))
+    {
+      is_clear = is_clear && value.key != "rotor_inertia";
+      continue;
+    }
+    is_said = true;
+    const std::optional<double> number = number_in(value.value);
+    is_clear = is_clear && number;
+    (is_ratio(about) ? ratios : inertias).push_back(number.value_or(0.0));
+  }
+  if (!is_said)
+    return "";
+  return fmt::format("{} (gear ratio squared times the motor's inertia)",
+                     is_clear && ratios.size() == 1 && inertias.size() == 1
+                         ? fmt::format(" = {:.6g}", ratios.front() * ratios.front() * inertias.front())
+                         : "");
+}
+
+// what has a number for a simulator, and none for mechanics: how it draws, senses, steps and finds its files
+bool is_harmless_to(const std::string& name)
+{
+  constexpr std::string_view words =
+      " material visual sensor plugin laserretro selfcollide self_collide providefeedback provide_feedback "
+      "preservefixedjoint disablefixedjointlumping maxcontacts max_contacts asset statistic size custom extension "
+      "keyframe meshdir texturedir assetdir strippath discardvisual fusestatic convexhull angle timestep integrator "
+      "solver iterations ";
+  return words.find(" " + name + " ") != std::string_view::npos;
+}
+
+// a child of <gazebo> or <mujoco> as a note names it; nothing if it has no mechanics
+std::optional<std::string> part_of_simulator(const tinyxml2::XMLElement& child)
+{
+  const std::string name = lower(child.Name());
+  const std::string text = trimmed(child.GetText());
+  if (is_harmless_to(name) || name == "turngravityoff" || (name == "gravity" && !child.FirstAttribute()))
+    return {};
+  std::string part = "<" + printable(child.Name(), kLongestValue);
+  bool says = child.FirstChildElement() != nullptr;
+  for (const auto* attribute = child.FirstAttribute(); attribute; attribute = attribute->Next())
+    if (!is_harmless_to(lower(attribute->Name())))
+    {
+      says = true;
+      part += fmt::format(" {}={}", printable(attribute->Name(), kLongestValue),
+                          printable(trimmed(attribute->Value()), kLongestValue));
+    }
+  const bool is_none = text.empty() || text == "false" || (number_in(text) == 0.0 && !name.starts_with("mu"));
+  if (!says && is_none)
+    return {};
+  return part + ">";
+}
+
+// elements somewhere in a vendor's that speak of mechanics
+void add_parts(const tinyxml2::XMLElement& element, std::vector<std::string>& parts)
+{
+  constexpr std::array<std::string_view, 12> words{"spring",  "stiff",   "damp", "friction", "mass",     "inerti",
+                                                   "density", "gravity", "gear", "rotor",    "armature", "torque"};
+  for (const auto* child = element.FirstChildElement(); child; child = child->NextSiblingElement())
+  {
+    const std::string name = lower(local(child->Name()));
+    const auto is_part = [&name](std::string_view word)
+    {
+      return name.find(word) != std::string::npos;
+    };
+    if (is_harmless_to(name) || is_part("sensor"))
+      continue;
+    const std::string part = fmt::format("<{}>", printable(child->Name(), kLongestValue));
+    if (std::any_of(words.begin(), words.end(), is_part) && std::find(parts.begin(), parts.end(), part) == parts.end())
+      parts.push_back(part);
+    else
+      add_parts(*child, parts);
+  }
+}
+
+} // namespace
+
+std::vector<UnreadValue> unread_values(const tinyxml2::XMLElement& element)
+{
+  std::vector<UnreadValue> values;
+  for (const auto* attribute = element.FirstAttribute(); attribute; attribute = attribute->Next())
+  {
+    const std::string text = trimmed(attribute->Value());
+    const std::string_view about = meant(element.Name(), attribute->Name());
+    if (!bounds_motion(about) && !says_none(about, text))
+      values.push_back({printable(element.Name(), kLongestValue), printable(attribute->Name(), kLongestValue),
+                        printable(text, kLongestValue), key_of(about)});
+  }
+  const std::string_view name = element.Name();
+  if (!element.FirstAttribute() && name != "dynamics" && name != "limit" && name != "safety_controller")
+    values.push_back({printable(element.Name(), kLongestValue), "",
+                      printable(trimmed(element.GetText()), kLongestValue), key_of(element.Name())});
+  return values;
+}
+
+std::vector<Transmission> transmissions_of(const tinyxml2::XMLElement& robot)
+{
+  std::vector<Transmission> transmissions;
+  const auto add_all = [&transmissions](const tinyxml2::XMLElement& in)
+  {
+    for (const auto* element = in.FirstChildElement("transmission"); element;
+         element = element->NextSiblingElement("transmission"))
+    {
+      add_transmission(*element, transmissions.emplace_back());
+      transmissions.back().line = element->GetLineNum();
+    }
+  };
+  add_all(robot);
+  for (const auto* control = robot.FirstChildElement("ros2_control"); control;
+       control = control->NextSiblingElement("ros2_control"))
+    add_all(*control);
+  return transmissions;
+}
+
+std::string note_of(const RobotDescription::UnreadEntry& entry)
+{
+  std::vector<std::string> elements;
+  std::vector<std::string> keys;
+  std::string_view last;
+  bool all_have_keys = true;
+  for (const UnreadValue& value : entry.values)
+  {
+    if (value.element != last)
+      elements.push_back("<" + value.element);
+    last = value.element;
+    if (!value.attribute.empty())
+      elements.back() += fmt::format(" {}={}", value.attribute, value.value);
+    if (value.key.empty())
+      all_have_keys = false;
+    else if (std::find(keys.begin(), keys.end(), value.key) == keys.end())
+      keys.emplace_back(value.key);
+  }
+  if (const auto key = std::find(keys.begin(), keys.end(), "rotor_inertia"); key != keys.end())
+    *key += reflected(entry.values);
+  const std::string advice = keys.empty() ? ", and no key in the TOML says it"
+                                          : fmt::format(": set {} in the TOML{}", fmt::join(keys, ", "),
+                                                        all_have_keys ? "" : "; no key there says the others");
+  return fmt::format("{}:{}: joint '{}': {}> {} not read{}", entry.file, entry.line, entry.joint,
+                     fmt::join(elements, "> and "), elements.size() == 1 ? "is" : "are", advice);
+}
+
+std::string note_of_signs(const RobotDescription& description)
+{
+  std::vector<std::string> turning, sliding;
+  for (const auto& entry : description.opposite)
+    if (std::any_of(description.actuators.begin(), description.actuators.end(),
+                    [&entry](const auto& actuator)
+                    { return actuator.on == entry.on && actuator.against == entry.against; }))
+      (entry.slides ? sliding : turning).push_back(fmt::format("'{}'", entry.joint));
+  const auto named = [&description](std::vector<std::string> names)
+  {
+    constexpr std::size_t most = 12;
+    if (names.size() > 1 && names.size() == description.actuators.size())
+      return std::string("all joints");
+    const std::size_t others = names.size() > most ? names.size() - most : 0;
+    names.resize(names.size() - others);
+    return fmt::format("{}{}", fmt::join(names, ", "), others > 0 ? fmt::format(" and {} more", others) : "");
+  };
+  std::vector<std::string> parts;
+  if (!turning.empty())
+    parts.push_back(
+        fmt::format("angle and torque of {} count against the URDF's: its axis is +y, ours counter-clockwise "
+                    "in the x-z plane",
+                    named(turning)));
+  if (!sliding.empty())
+    parts.push_back(
+        fmt::format("displacement and force of {} count against the URDF's: its axis is -y, ours +y", named(sliding)));
+  return parts.empty() ? "" : fmt::format("{}: {}", description.opposite.front().file, fmt::join(parts, "; "));
+}
+
+std::optional<std::string> mechanics_in(std::string_view full_name)
+{
+  const std::string name = lower(local(full_name));
+  constexpr std::array<std::string_view, 9> harmless{"sensor",   "collision", "visual",  "plugin",   "controller",
+                                                     "material", "geometry",  "contact", "proximity"};
+  const auto is_part = [&name](std::string_view word)
+  {
+    return name.find(word) != std::string::npos;
+  };
+  if (std::any_of(harmless.begin(), harmless.end(), is_part))
+    return {};
+  if (const auto word = misspelt(full_name))
+    return fmt::format("did you mean <{}>?", *word);
+  constexpr std::array<std::string_view, 27> words{
+      "joint",  "loop",   "closure", "constraint", "equality", "weld",    "mimic",  "coupl",    "force",
+      "torque", "thrust", "spring",  "stiff",      "damp",     "bushing", "tendon", "muscle",   "friction",
+      "mass",   "inerti", "density", "gravity",    "gear",     "rotor",   "motor",  "armature", "scale"};
+  if (const auto word = std::find_if(words.begin(), words.end(), is_part); word != words.end())
+    return fmt::format("its name speaks of mechanics, which are not read from it ({})", *word);
+  return {};
+}
+
+std::optional<std::string> mechanics_in(const tinyxml2::XMLElement& simulator)
+{
+  for (const auto* child = simulator.FirstChildElement(); child; child = child->NextSiblingElement())
+  {
+    const std::string name = lower(child->Name());
+    if (name == "equality" || name == "tendon" || name == "worldbody" || name == "model" ||
+        (name == "joint" && child->FirstChildElement("child")) ||
+        (name == "link" && child->FirstChildElement("inertial")))
+      return fmt::format("holds <{}>, which changes how the robot moves; only <link> and <joint> of the <robot> itself "
+                         "are read",
+                         name);
+  }
+  return {};
+}
+
+std::vector<std::string> unread_parts(const tinyxml2::XMLElement& element)
+{
+  const std::string_view name = element.Name();
+  std::vector<std::string> parts;
+  if (name != "gazebo" && name != "mujoco")
+  {
+    // the transmissions of a <ros2_control> are read by themselves
+    if (!is_harmless_to(lower(local(name))) && name != "sensor" && name != "ros2_control")
+      add_parts(element, parts);
+    return parts;
+  }
+  for (const auto* child = element.FirstChildElement(); child; child = child->NextSiblingElement())
+    if (const auto part = part_of_simulator(*child);
+        part && std::find(parts.begin(), parts.end(), *part) == parts.end())
+      parts.push_back(*part);
+  return parts;
+}
+
+bool takes_gravity(const tinyxml2::XMLElement& child)
+{
+  const std::string_view name = child.Name();
+  const std::string text = trimmed(child.GetText());
+  return (name == "turnGravityOff" && (text == "true" || text == "1")) ||
+         (name == "gravity" && (text == "false" || text == "0"));
+}
+
+} // namespace torqued
