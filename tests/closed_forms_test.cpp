@@ -1,8 +1,7 @@
 #include "catch.h"
 #include "matchers.h"
+#include "methods/torque_solution.h"
 #include "states.h"
-
-#include "methods/torque_method.h"
 
 #include <Eigen/Dense>
 #include <functional>

@@ -1,3 +1,4 @@
+#include "answer/command.h"
 #include "catch.h"
 #include "matchers.h"
 #include "oracles.h"

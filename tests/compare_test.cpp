@@ -1,5 +1,6 @@
 #include "catch.h"
 #include "matchers.h"
+#include "methods/human_transition.h"
 #include "run_torquectl.h"
 #include "temporary_folder.h"
 
@@ -59,7 +60,7 @@ struct Walk
     std::vector<std::array<GroundReaction, 2>> ground;
     AnswerSettings settings;
     settings.methods.method = method;
-    settings.methods.human_transition = shape;
+    settings.methods.of<HumanTransition>() = shape;
     StreamMemory memory;
     for (std::size_t i = 0; i < n; ++i)
     {

@@ -1,6 +1,11 @@
 #include "catch.h"
 #include "matchers.h"
-#include "methods/torque_method.h"
+#include "methods/constrained.h"
+#include "methods/human_transition.h"
+#include "methods/least_torque.h"
+#include "methods/linear_transition.h"
+#include "methods/pseudo_inverse.h"
+#include "methods/torque_solution.h"
 
 #include "answer/config.h"
 #include "robot/files/strict_toml.h"
@@ -60,17 +65,15 @@ TEST_CASE("an empty configuration gives the documented defaults", "[config]")
   CHECK_FALSE(config.answers.project);
   const MethodSettings& methods = config.answers.methods;
   CHECK(methods.relax);
-  CHECK(methods.pseudo_inverse.weights.size() == 0);
-  CHECK(methods.pseudo_inverse.reaction_weights == Eigen::Vector3d(1.0, 1.0, 1.0));
-  CHECK_FALSE(methods.linear_transition.leading_cop);
-  CHECK(methods.internal_wrench.sigma == 0.5);
-  CHECK(methods.internal_wrench.weights.size() == 0);
-  CHECK(methods.torso_wrench.sigma == 0.0);
-  CHECK(methods.torso_wrench.weights.size() == 0);
-  CHECK(methods.constrained.weights.size() == 0);
-  CHECK(methods.constrained.windows);
-  CHECK(methods.constrained.reference_weight == 0.0);
-  CHECK_FALSE(methods.constrained.f_min);
+  CHECK(methods.of<PseudoInverse>().weights.size() == 0);
+  CHECK(methods.of<PseudoInverse>().reaction_weights == Eigen::Vector3d(1.0, 1.0, 1.0));
+  CHECK_FALSE(methods.of<LinearTransition>().leading_cop);
+  CHECK(methods.of<InternalWrench>().weights.size() == 0);
+  CHECK(methods.of<TorsoWrench>().weights.size() == 0);
+  CHECK(methods.of<Constrained>().weights.size() == 0);
+  CHECK(methods.of<Constrained>().windows);
+  CHECK(methods.of<Constrained>().reference_weight == 0.0);
+  CHECK_FALSE(methods.of<Constrained>().f_min);
 }
 
 TEST_CASE("the printed configuration, read again, is the same configuration", "[config]")
@@ -100,7 +103,6 @@ reaction_weights = [0.5, 0.25, 8]
 [linear_transition]
 cop = 0.3
 [internal_wrench]
-sigma = 0.25
 weights = [[2, 1], [1, 3]]
 [torso_wrench]
 weights = [0.1]
@@ -127,22 +129,21 @@ fade = 0.5
   CHECK(config.answers.project);
   const MethodSettings& methods = config.answers.methods;
   CHECK_FALSE(methods.relax);
-  CHECK(mismatch(methods.pseudo_inverse.weights.diagonal(), (Eigen::VectorXd(6) << 1, 2, 3, 4, 5, 6).finished(), 0.0) ==
-        "");
-  CHECK(methods.pseudo_inverse.weights.isDiagonal(0.0));
-  CHECK(methods.pseudo_inverse.reaction_weights == Eigen::Vector3d(0.5, 0.25, 8.0));
-  CHECK(methods.linear_transition.leading_cop == 0.3);
-  CHECK(methods.internal_wrench.sigma == 0.25);
-  CHECK(mismatch(methods.internal_wrench.weights, (Eigen::Matrix2d() << 2, 1, 1, 3).finished(), 0.0) == "");
-  CHECK(methods.torso_wrench.weights(0, 0) == 0.1);
-  CHECK(methods.constrained.weights(1, 1) == 1e3);
-  CHECK_FALSE(methods.constrained.windows);
-  CHECK(methods.constrained.reference_weight == 0.01);
-  CHECK(methods.constrained.f_min == 20.0);
-  CHECK(methods.human_transition.trailing_cop == 0.75);
-  CHECK(methods.human_transition.leading_cop == 0.25);
-  CHECK(methods.human_transition.time_weight == 1.0);
-  CHECK(methods.human_transition.fade == 0.5);
+  CHECK(mismatch(methods.of<PseudoInverse>().weights.diagonal(), (Eigen::VectorXd(6) << 1, 2, 3, 4, 5, 6).finished(),
+                 0.0) == "");
+  CHECK(methods.of<PseudoInverse>().weights.isDiagonal(0.0));
+  CHECK(methods.of<PseudoInverse>().reaction_weights == Eigen::Vector3d(0.5, 0.25, 8.0));
+  CHECK(methods.of<LinearTransition>().leading_cop == 0.3);
+  CHECK(mismatch(methods.of<InternalWrench>().weights, (Eigen::Matrix2d() << 2, 1, 1, 3).finished(), 0.0) == "");
+  CHECK(methods.of<TorsoWrench>().weights(0, 0) == 0.1);
+  CHECK(methods.of<Constrained>().weights(1, 1) == 1e3);
+  CHECK_FALSE(methods.of<Constrained>().windows);
+  CHECK(methods.of<Constrained>().reference_weight == 0.01);
+  CHECK(methods.of<Constrained>().f_min == 20.0);
+  CHECK(methods.of<HumanTransition>().trailing_cop == 0.75);
+  CHECK(methods.of<HumanTransition>().leading_cop == 0.25);
+  CHECK(methods.of<HumanTransition>().time_weight == 1.0);
+  CHECK(methods.of<HumanTransition>().fade == 0.5);
   CHECK(to_toml(config) != to_toml(Config()));
 }
 
@@ -166,12 +167,11 @@ TEST_CASE("a bad configuration is refused with line, key and what would be right
   CHECK(complaint("[linear_transition]\ncop = 1.5") == ":2: linear_transition: cop: found 1.5; expected \"zmp\", or 0 "
                                                        "(heel) to 1 (toe)");
   CHECK(complaint("[linear_transition]\ncop = \"middle\"") ==
-        ":2: linear_transition: cop: expected \"zmp\", or 0 (heel) to 1 (toe)");
+        ":2: linear_transition: cop: found \"middle\"; expected \"zmp\", or 0 (heel) to 1 (toe)");
   CHECK(complaint("[linear_transition]\ncops = 1").starts_with(":2: linear_transition: cops: is not known here"));
   CHECK(complaint("infeasible = \"flag\"") == ":1: infeasible: found \"flag\"; expected one of: relax, refuse");
   CHECK(complaint("projection = true").starts_with(":1: projection: is not known here"));
-  CHECK(complaint("[internal_wrench]\nsigma = 1.5") == ":2: internal_wrench: sigma: found 1.5; expected 0 to 1");
-  CHECK(complaint("[tracked_internal]\nsigma = 0.5").starts_with(":1: tracked_internal: is not known here"));
+  CHECK(complaint("[tracked_internal]\ncop = 0.5").starts_with(":1: tracked_internal: is not known here"));
   const std::string weights = "expected up to 16 finite numbers, or as many rows of as many numbers";
   CHECK(complaint("[constrained]\nweights = 3") == ":2: constrained: weights: found 3; " + weights);
   CHECK(complaint("[constrained]\nweights = [1, nan]").ends_with(weights));
@@ -190,8 +190,9 @@ TEST_CASE("a bad configuration is refused with line, key and what would be right
     CHECK(complaint(fmt::format("[pseudo_inverse]\nreaction_weights = {}", wrong)) ==
           ":2: pseudo_inverse: reaction_weights: expected three positive numbers: of f_x, of f_z and of the moment");
   CHECK(complaint("[constrained]\nf_min = -1") ==
-        ":2: constrained: f_min: found -1; expected a number that is not negative");
-  CHECK(complaint("[constrained]\nf_min = \"some\"") == ":2: constrained: f_min: expected \"robot\", or a force in N");
+        ":2: constrained: f_min: found -1; expected \"robot\", or a force of 0 N or more");
+  CHECK(complaint("[constrained]\nf_min = \"some\"") ==
+        ":2: constrained: f_min: found \"some\"; expected \"robot\", or a force of 0 N or more");
   CHECK(complaint("[constrained]\nreference_weight = -1") ==
         ":2: constrained: reference_weight: found -1; expected a number that is not negative");
   CHECK(complaint("[human_transition]\ntrailing_cop = 1.5") ==
@@ -237,7 +238,6 @@ TEST_CASE("the settings id changes with every setting that changes answers, and 
                                   "infeasible = \"refuse\"",
                                   "[pseudo_inverse]\nweights = [2]",
                                   "[pseudo_inverse]\nreaction_weights = [1, 1, 2]",
-                                  "[internal_wrench]\nsigma = 0",
                                   "[internal_wrench]\nweights = [2]",
                                   "[torso_wrench]\nweights = [2]",
                                   "[constrained]\nweights = [2]",

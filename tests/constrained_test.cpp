@@ -1,6 +1,8 @@
 #include "double_support.h"
 #include "matchers.h"
-#include "methods/torque_method.h"
+#include "methods/constrained.h"
+#include "methods/least_torque.h"
+#include "methods/torque_solution.h"
 #include "states.h"
 
 #include "methods/quadratic_program.h"
@@ -38,7 +40,7 @@ struct Condition
 // The conditions as geometry says them, on all of w.
 std::vector<Condition> conditions(const Case& now, const MethodSettings& settings)
 {
-  const Constrained& constrained = settings.constrained;
+  const Constrained& constrained = settings.of<Constrained>();
   const Support& support = now.support();
   const double weight = now.robot.weight(), F_z = now.d()(1), p = support.phase, s = support.load_transfer;
   const Eigen::Index n_w = support.wrench_components();
@@ -192,7 +194,7 @@ struct Program
 
 Program program(const Case& now, const MethodSettings& settings)
 {
-  const Constrained& constrained = settings.constrained;
+  const Constrained& constrained = settings.of<Constrained>();
   Program program{now.one(), now.others(), {}, {}, conditions(now, settings)};
   // columns of one size, so that tolerances mean the same for each
   program.others = now.robot.weight() * program.others.colwise().normalized();
@@ -269,12 +271,12 @@ MethodSettings random_settings(oracle::Random& random, int i)
     Eigen::MatrixXd root(6, 6);
     for (double& entry : root.reshaped())
       entry = oracle::uniform(random, -1.0, 1.0);
-    settings.constrained.weights = root * root.transpose() + 0.2 * Eigen::MatrixXd::Identity(6, 6);
+    settings.of<Constrained>().weights = root * root.transpose() + 0.2 * Eigen::MatrixXd::Identity(6, 6);
   }
   if (i % 5 == 1)
-    settings.constrained.reference_weight = std::pow(10.0, oracle::uniform(random, -3.0, 1.0));
+    settings.of<Constrained>().reference_weight = std::pow(10.0, oracle::uniform(random, -3.0, 1.0));
   if (i % 5 == 2)
-    settings.constrained.f_min = oracle::uniform(random, 0.0, 100.0);
+    settings.of<Constrained>().f_min = oracle::uniform(random, 0.0, 100.0);
   return settings;
 }
 
@@ -322,7 +324,7 @@ TEST_CASE("constrained is the least torque that meets all conditions, wherever t
         else
         {
           ++infeasible;
-          CHECK((flags(now, found) != 0 || settings.constrained.f_min));
+          CHECK((flags(now, found) != 0 || settings.of<Constrained>().f_min));
           const auto refused = now.solve(Method::constrained, refusing);
           REQUIRE(std::holds_alternative<Refusal>(refused));
           CHECK(std::get<Refusal>(refused).reason() == Reason::infeasible);
@@ -452,12 +454,12 @@ TEST_CASE("where no condition is active constrained is procedure 1, else it cost
         CAPTURE(name_of(left), name_of(right), i);
         const Case now = walking(random, i, left, right, 0.0);
         MethodSettings settings = random_settings(random, 3 * i + (i % 2 == 0 ? 0 : 1)); // W or none, no reference
-        settings.constrained.reference_weight = 0.0;
-        settings.constrained.f_min = 0.0; // a window may lower it
-        settings.constrained.windows = false;
-        settings.internal_wrench.weights = settings.constrained.weights;
-        const Eigen::MatrixXd W = settings.constrained.weights.size() > 0
-                                      ? Eigen::MatrixXd(settings.constrained.weights)
+        settings.of<Constrained>().reference_weight = 0.0;
+        settings.of<Constrained>().f_min = 0.0; // a window may lower it
+        settings.of<Constrained>().windows = false;
+        settings.of<InternalWrench>().weights = settings.of<Constrained>().weights;
+        const Eigen::MatrixXd W = settings.of<Constrained>().weights.size() > 0
+                                      ? Eigen::MatrixXd(settings.of<Constrained>().weights)
                                       : Eigen::MatrixXd::Identity(6, 6);
         const auto cost = [&](const TorqueSolution& solution)
         {
@@ -477,7 +479,7 @@ TEST_CASE("where no condition is active constrained is procedure 1, else it cost
           continue;
         active += meets ? 0 : 1;
         CHECK(cost(plain) >= cost(free) * (1.0 - 1e-9));
-        settings.constrained.windows = true;
+        settings.of<Constrained>().windows = true;
         const TorqueSolution windows = now.solution(Method::constrained, settings);
         if (!windows.relaxed)
           CHECK(cost(windows) >= cost(plain) * (1.0 - 1e-9));
@@ -498,8 +500,8 @@ TEST_CASE("a heavy reference leads to the reactions of zmp_transition", "[constr
         for (Actuator& actuator : now.robot.actuators)
           actuator.torque_limit = std::numeric_limits<double>::infinity();
         MethodSettings settings;
-        settings.constrained.windows = false;
-        settings.constrained.reference_weight = 1e7;
+        settings.of<Constrained>().windows = false;
+        settings.of<Constrained>().reference_weight = 1e7;
         const TorqueSolution reference = now.solution(Method::zmp_transition);
         if (flags(now, reference) != 0)
           continue;
@@ -536,8 +538,8 @@ TEST_CASE("a foot's least load is kept, as far as the window leaves it", "[const
     bound += load(now.support().leading) < leading + room || load(now.support().trailing()) < trailing + room ? 1 : 0;
     // the setting stands above the robot's
     MethodSettings settings;
-    settings.constrained.f_min = 0.0;
-    settings.constrained.windows = false;
+    settings.of<Constrained>().f_min = 0.0;
+    settings.of<Constrained>().windows = false;
     MethodSettings windows = settings;
     windows.constrained.windows = true;
     const Case without = [&]
@@ -623,7 +625,7 @@ TEST_CASE("no friction, no torque, weights of a millionth: conditions hold or gi
           for (Actuator& actuator : now.robot.actuators)
             actuator.torque_limit = 0.0;
         if (i % 3 == 2)
-          settings.constrained.weights = Eigen::VectorXd::LinSpaced(6, 1e-6, 1e-5).asDiagonal();
+          settings.of<Constrained>().weights = Eigen::VectorXd::LinSpaced(6, 1e-6, 1e-5).asDiagonal();
         const TorqueSolution found = now.solution(Method::constrained, settings);
         CHECK(found.torque.allFinite());
         CHECK(dynamics_residual(now.robot, now.equations, found) < 1e-9 * size(now, found));

@@ -1,8 +1,8 @@
 #include "catch.h"
 #include "matchers.h"
+#include "methods/torque_solution.h"
 #include "states.h"
 
-#include "methods/torque_method.h"
 #include "stance/checks.h"
 #include "stance/contacts.h"
 

@@ -1,7 +1,9 @@
 #include "catch.h"
 #include "double_support.h"
 #include "matchers.h"
-#include "methods/torque_method.h"
+#include "methods/constrained.h"
+#include "methods/torque_solution.h"
+#include "methods/zmp_transition.h"
 
 #include "stance/checks.h"
 
@@ -91,7 +93,7 @@ constexpr double kJump = 1e-2;       // N m
 MethodSettings without_windows()
 {
   MethodSettings settings;
-  settings.constrained.windows = false;
+  settings.of<Constrained>().windows = false;
   return settings;
 }
 
@@ -282,7 +284,7 @@ TEST_CASE("on two points no method but least torque and pseudo-inverse has more 
     ask_of_ground(random, biped, stance, toe + share * (heel - toe), motion);
     const Case now(biped, motion, stance.left, stance.right, leading, 0.3, 0.3);
     const Eigen::Vector3d d = now.d();
-    for (const NamedMethod& known : kMethods)
+    for (const MethodRow& known : methods())
     {
       CAPTURE(known.name);
       const TorqueSolution found = now.solution(known.method);

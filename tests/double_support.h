@@ -3,9 +3,8 @@
 
 #include "catch.h"
 #include "decompositions.h"
+#include "methods/torque_solution.h"
 #include "oracles.h"
-
-#include "methods/torque_method.h"
 
 #include <optional>
 #include <string>

@@ -1,8 +1,13 @@
 #include "catch.h"
 #include "double_support.h"
 #include "matchers.h"
-#include "methods/torque_method.h"
+#include "methods/constrained.h"
+#include "methods/least_torque.h"
+#include "methods/linear_transition.h"
+#include "methods/pseudo_inverse.h"
+#include "methods/torque_solution.h"
 #include "states.h"
+#include "trunk_wrench.h"
 
 #include "stance/checks.h"
 
@@ -215,7 +220,7 @@ TEST_CASE("with every method the equation of motion holds and the ground carries
   for_double_supports(random,
                       [&](Case& now)
                       {
-                        for (const NamedMethod& known : kMethods)
+                        for (const MethodRow& known : methods())
                         {
                           CAPTURE(known.name);
                           const TorqueSolution found = now.solution(known.method);
@@ -244,7 +249,7 @@ TEST_CASE("contacts do no work: the torques' power is the same with every method
                       [&](Case& now)
                       {
                         const double power = now.motion.V.dot(now.r());
-                        for (const NamedMethod& known : kMethods)
+                        for (const MethodRow& known : methods())
                         {
                           CAPTURE(known.name);
                           const TorqueSolution found = now.solution(known.method);
@@ -316,8 +321,8 @@ TEST_CASE("pseudo-inverse is (27): the shortest vector of torques and of the rea
 
                         // weights are units: torques in units of 1/√2 N m and so on
                         MethodSettings weighted;
-                        weighted.pseudo_inverse.weights = 4.0 * Eigen::MatrixXd::Identity(6, 6);
-                        weighted.pseudo_inverse.reaction_weights = {0.25, 4.0, 100.0};
+                        weighted.of<PseudoInverse>().weights = 4.0 * Eigen::MatrixXd::Identity(6, 6);
+                        weighted.of<PseudoInverse>().reaction_weights = {0.25, 4.0, 100.0};
                         const Eigen::VectorXd in_units = oracle::solve(system(0.5, {2.0, 0.5, 0.1}), rhs);
                         const TorqueSolution other_units = now.solution(Method::pseudo_inverse, weighted);
                         CHECK(mismatch(other_units.torque / scale, 0.5 * in_units.head(6) / scale, 1e-9) == "");
@@ -355,8 +360,8 @@ TEST_CASE("procedure 1 is the least torque of all that serve the motion, for eve
       {
         const Eigen::MatrixXd W = random_weights(random);
         MethodSettings settings;
-        settings.internal_wrench.weights = W;
-        settings.torso_wrench.weights = W;
+        settings.of<InternalWrench>().weights = W;
+        settings.of<TorsoWrench>().weights = W;
         const TorqueSolution found = now.solution(Method::internal_wrench, settings);
         const double unit = size(now, found);
         // cancellation in the oracle: the square of its condition is not in it, but large internal forces are
@@ -371,13 +376,13 @@ TEST_CASE("procedure 1 is the least torque of all that serve the motion, for eve
         const double sigma = oracle::uniform(random, -1.0, 2.0);
         const auto carried = [&](const TorqueSolution& solution, double share)
         {
-          return carried_trunk(now.robot, now.equations, now.support(), Reactions(solution.w), share);
+          return oracle::carried_trunk(now.robot, now.equations, now.support(), Reactions(solution.w), share);
         };
-        const CarriedTrunk start = carried(now.solution(Method::linear_transition), sigma);
+        const oracle::CarriedTrunk start = carried(now.solution(Method::linear_transition), sigma);
         const auto torque_at = [&](const Eigen::Vector3d& eta) -> Eigen::VectorXd
         {
-          return now.torque(
-              reactions_below(now.robot, now.equations, now.support(), sigma * start.trunk + start.internal + eta));
+          return now.torque(oracle::reactions_below(now.robot, now.equations, now.support(),
+                                                    sigma * start.trunk + start.internal + eta));
         };
         const Eigen::VectorXd b1 = torque_at(Eigen::Vector3d::Zero());
         Eigen::MatrixXd B1(6, 3), a1(3, 0);
@@ -398,13 +403,8 @@ TEST_CASE("procedure 1 is the least torque of all that serve the motion, for eve
         // large internal forces, which cancel
         CHECK((carried(found, sigma).internal - eta).cwiseAbs().maxCoeff() < 1e-6 * unit);
 
-        // σ changes η alone
-        settings.internal_wrench.sigma = sigma;
-        CHECK((now.solution(Method::internal_wrench, settings).torque - found.torque).cwiseAbs().maxCoeff() <
-              1e-9 * unit);
-
         // a multiple of W is the same rule
-        settings.internal_wrench.weights *= 7.0;
+        settings.of<InternalWrench>().weights *= 7.0;
         CHECK((now.solution(Method::internal_wrench, settings).torque - found.torque).cwiseAbs().maxCoeff() <
               1e-9 * unit);
         // and so is the other leg called trailing
@@ -461,7 +461,8 @@ TEST_CASE("both legs carry the trunk: f* is its rate of momentum, and what the l
                         const Eigen::Vector2d force = ck.m3 * acceleration;
                         const Eigen::Vector3d expected(force.x(), force.y(), ck.I3 * A(6) + cross(com, force));
                         const Reactions chosen(now.solution(Method::linear_transition).w);
-                        const CarriedTrunk found = carried_trunk(now.robot, now.equations, now.support(), chosen, 0.0);
+                        const oracle::CarriedTrunk found =
+                            oracle::carried_trunk(now.robot, now.equations, now.support(), chosen, 0.0);
                         CHECK(mismatch(found.trunk, expected, 1e-10) == "");
                       });
 }
@@ -478,7 +479,7 @@ TEST_CASE("procedures 3 and 4 are the linear transition, and a clamp changes the
                           now.desired.support.load_transfer = cases % 20 == 0 ? 0.0 : 1.0;
                         MethodSettings settings;
                         if (cases % 3 == 0)
-                          settings.linear_transition.leading_cop = 0.3;
+                          settings.of<LinearTransition>().leading_cop = 0.3;
                         const TorqueSolution linear = now.solution(Method::linear_transition, settings);
                         const TorqueSolution reaction = now.solution(Method::tracked_reaction, settings);
                         const TorqueSolution internal = now.solution(Method::tracked_internal, settings);
@@ -490,12 +491,13 @@ TEST_CASE("procedures 3 and 4 are the linear transition, and a clamp changes the
                         CHECK_FALSE(reaction.clamped);
 
                         // [η; σ̄] by the pseudo-inverse of [1 f*], and what the paper's η would leave of (71)
-                        const auto found = std::get<CarriedTrunk>(
-                            tracked_internal(now.robot, now.equations, now.support(), settings.linear_transition));
-                        const CarriedTrunk x =
-                            carried_trunk(now.robot, now.equations, now.support(), Reactions(linear.w), 0.0);
+                        const auto found = std::get<oracle::CarriedTrunk>(oracle::tracked_internal(
+                            now.robot, now.equations, now.support(), settings.of<LinearTransition>()));
+                        const oracle::CarriedTrunk x =
+                            oracle::carried_trunk(now.robot, now.equations, now.support(), Reactions(linear.w), 0.0);
                         // (71): what one leg carries determines both feet's reactions
-                        const WrenchVector below = reactions_below(now.robot, now.equations, now.support(), x.internal);
+                        const WrenchVector below =
+                            oracle::reactions_below(now.robot, now.equations, now.support(), x.internal);
                         CHECK((below - linear.w).cwiseAbs().maxCoeff() < 1e-10 * unit);
                         Eigen::Matrix<double, 3, 4> both;
                         both << Eigen::Matrix3d::Identity(), found.trunk;
@@ -528,8 +530,8 @@ TEST_CASE("at both ends of double support procedure 4 clamps, because the unload
     motion.A.setZero();
     const Case now(ck, motion, Contact::sole, Contact::sole, Side::right, s, 0.5);
     CHECK(now.solution(Method::tracked_internal).clamped);
-    const auto found =
-        std::get<CarriedTrunk>(tracked_internal(now.robot, now.equations, now.support(), LinearTransition{}));
+    const auto found = std::get<oracle::CarriedTrunk>(
+        oracle::tracked_internal(now.robot, now.equations, now.support(), LinearTransition{}));
     CHECK(found.sigma == 1.0 - s);
     // what the unloaded leg does to the trunk is its weight
     const Eigen::Vector3d trailing = found.internal + found.sigma * found.trunk;
@@ -553,9 +555,9 @@ TEST_CASE("the least torque is that of the motors, rotors and friction included"
                         CHECK(friction.cwiseAbs().minCoeff() > 0.0);
                         const Eigen::MatrixXd W = random_weights(random);
                         MethodSettings settings;
-                        settings.internal_wrench.weights = W;
-                        settings.constrained.weights = W;
-                        settings.constrained.windows = false;
+                        settings.of<InternalWrench>().weights = W;
+                        settings.of<Constrained>().weights = W;
+                        settings.of<Constrained>().windows = false;
                         const TorqueSolution found = now.solution(Method::internal_wrench, settings);
                         const Eigen::VectorXd other_w = Eigen::VectorXd(found.w) + now.others().rowwise().sum();
                         const auto motors = [&](const Eigen::VectorXd& w)
@@ -587,7 +589,7 @@ TEST_CASE("mirrored, every method gives the mirrored torques and reactions", "[d
                                               {mirrored(now.motion.X), mirrored(now.motion.V), mirrored(now.motion.A)},
                                               support.contact[1], support.contact[0], other(support.leading),
                                               support.load_transfer, support.phase);
-                        for (const NamedMethod& known : kMethods)
+                        for (const MethodRow& known : methods())
                         {
                           CAPTURE(known.name);
                           const TorqueSolution one = now.solution(known.method);
@@ -619,7 +621,7 @@ TEST_CASE("rolling knees of no radius are pin knees with every method", "[double
         const oracle::Motion motion = oracle::random_consistent_motion(random, ck, left, right);
         const Case one(ck, motion, left, right, Side::right, 0.3, 0.6),
             two(rk, motion, left, right, Side::right, 0.3, 0.6);
-        for (const NamedMethod& known : kMethods)
+        for (const MethodRow& known : methods())
         {
           CAPTURE(known.name);
           const TorqueSolution pin = one.solution(known.method), rolling = two.solution(known.method);
@@ -656,7 +658,7 @@ TEST_CASE("another place of the knees' motors divides their torques, unless torq
         }
         // the same rule where W is in the same units: τ'ᵀ W' τ' = τᵀ W τ
         MethodSettings rescaled;
-        rescaled.internal_wrench.weights = Eigen::MatrixXd(ratio.cwiseProduct(ratio).cwiseInverse().asDiagonal());
+        rescaled.of<InternalWrench>().weights = Eigen::MatrixXd(ratio.cwiseProduct(ratio).cwiseInverse().asDiagonal());
         const TorqueSolution at_thigh = one.solution(Method::internal_wrench);
         const TorqueSolution in_units = two.solution(Method::internal_wrench, rescaled);
         const TorqueSolution at_shin = two.solution(Method::internal_wrench);
@@ -718,7 +720,7 @@ friction = 0.8
   desired.q = desired.v = desired.a = VectorQ::Zero(5);
   desired.q.head<3>() << 0.1, 0.4, -0.3;
   const auto equations = std::get<SupportEquations>(support_equations(robot, desired));
-  for (const NamedMethod& known : kMethods)
+  for (const MethodRow& known : methods())
   {
     CAPTURE(known.name);
     const auto solved = solve_torques(robot, equations, desired.support, known.method, {}, 1e-3);
@@ -749,7 +751,7 @@ TEST_CASE("every robot that stands on two feet is served by every method, and le
           const Eigen::MatrixXd T =
               reaction_torques(robot, equations, contacts, admissible_reactions(robot, equations, contacts))
                   .T.topRows(robot.num_joints());
-          for (const NamedMethod& known : kMethods)
+          for (const MethodRow& known : methods())
           {
             CAPTURE(known.name);
             const auto solved = solve_torques(robot, equations, contacts, known.method, {}, 1e-3);

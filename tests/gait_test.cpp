@@ -1,9 +1,10 @@
 #include "catch.h"
 #include "matchers.h"
+#include "methods/constrained.h"
+#include "methods/torque_solution.h"
 #include "oracles.h"
 #include "run_torquectl.h"
 
-#include "methods/torque_method.h"
 #include "motion/failure.h"
 #include "motion/gait.h"
 #include "motion/trajectory.h"
@@ -310,7 +311,7 @@ TEST_CASE("on random walks no torque jumps with zmp-transition, nor with constra
     // between: windows may relax, contacts and motors not, unless they cannot be met whatever the windows
     MethodSettings refusing;
     refusing.relax = false;
-    refusing.constrained.windows = false;
+    refusing.of<Constrained>().windows = false;
     for (const GaitPhase& phase : phases)
       for (int k = 0; k <= 10; ++k)
       {

@@ -1,6 +1,8 @@
 #include "catch.h"
 #include "matchers.h"
-#include "methods/torque_method.h"
+#include "methods/constrained.h"
+#include "methods/linear_transition.h"
+#include "methods/method.h"
 #include "oracles.h"
 #include "states.h"
 
@@ -82,9 +84,9 @@ TEST_CASE("no method's torques depend on where the world's zero is; the zero-mom
           "[ground_height][slow]")
 {
   AnswerSettings plain, other;
-  other.methods.linear_transition.leading_cop = 0.3;
-  other.methods.constrained.reference_weight = 1.0;
-  other.methods.constrained.windows = false;
+  other.methods.of<LinearTransition>().leading_cop = 0.3;
+  other.methods.of<Constrained>().reference_weight = 1.0;
+  other.methods.of<Constrained>().windows = false;
   oracle::Random random(901);
   int answered = 0;
   for (const char* name : {"ck", "rk", "human-subject01"})
@@ -100,7 +102,7 @@ TEST_CASE("no method's torques depend on where the world's zero is; the zero-mom
                                  oracle::uniform(random, 0.0, 1.0),
                                  oracle::uniform(random, 0.0, 1.0)};
           DesiredState desired = desired_of(robot, random_state(random, robot), contacts);
-          for (const NamedMethod& known : kMethods)
+          for (const MethodRow& known : methods())
             for (const AnswerSettings* settings : {&plain, &other})
             {
               CAPTURE(known.name);
@@ -140,11 +142,11 @@ TEST_CASE("on two soles no method's answer depends on phase, and on a sole and a
 {
   oracle::Random random(902);
   const Robot robot = load_robot("ck");
-  std::array<int, kMethods.size()> follows{};
+  std::array<int, methods().size()> follows{};
   for (int i = 0; i < kStates; ++i)
-    for (std::size_t k = 0; k < kMethods.size(); ++k)
+    for (std::size_t k = 0; k < methods().size(); ++k)
     {
-      const NamedMethod& known = kMethods[k];
+      const MethodRow& known = methods()[k];
       CAPTURE(i, known.name);
       DesiredState desired = standing(robot);
       desired.q.head<7>() += 0.2 * random_state(random, 7).q;
@@ -161,10 +163,10 @@ TEST_CASE("on two soles no method's answer depends on phase, and on a sole and a
       desired.support.contact[1] = Contact::heel;
       follows[k] += torque(0.0) != torque(0.4) ? 1 : 0;
     }
-  for (std::size_t k = 0; k < kMethods.size(); ++k)
+  for (std::size_t k = 0; k < methods().size(); ++k)
   {
-    CAPTURE(kMethods[k].name, follows[k]);
-    const Method method = kMethods[k].method;
+    CAPTURE(methods()[k].name, follows[k]);
+    const Method method = methods()[k].method;
     if (method == Method::zmp_transition || method == Method::constrained || method == Method::human_transition)
       CHECK(follows[k] > kStates / 2);
     else

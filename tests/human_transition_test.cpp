@@ -1,7 +1,8 @@
 #include "catch.h"
 #include "double_support.h"
 #include "matchers.h"
-#include "methods/torque_method.h"
+#include "methods/human_transition.h"
+#include "methods/torque_solution.h"
 
 #include "stance/checks.h"
 
@@ -30,7 +31,7 @@ Case stance(oracle::Random& random, int i, Contact leading_contact, Contact trai
 MethodSettings with(const HumanTransition& shape)
 {
   MethodSettings settings;
-  settings.human_transition = shape;
+  settings.of<HumanTransition>() = shape;
   return settings;
 }
 

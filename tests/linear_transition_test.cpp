@@ -1,6 +1,7 @@
 #include "catch.h"
 #include "matchers.h"
-#include "methods/torque_method.h"
+#include "methods/linear_transition.h"
+#include "methods/torque_solution.h"
 #include "oracles.h"
 
 #include "stance/checks.h"

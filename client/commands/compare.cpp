@@ -1,5 +1,7 @@
 #include "commands/offline.h"
 #include "commands/subcommands.h"
+#include "methods/constrained.h"
+#include "methods/method.h"
 #include "motion/files.h"
 #include "study/measured.h"
 #include "study/outcome.h"
@@ -275,14 +277,14 @@ ExitCode compare(const CompareOptions& options)
   flush_denormals();
   std::vector<MethodRun> runs;
   AnswerSettings settings = config.answers;
-  for (const NamedMethod& known : kMethods)
+  for (const MethodRow& known : methods())
   {
     settings.methods.method = known.method;
-    if (known.method == Method::constrained && settings.methods.constrained.windows)
+    if (known.method == Method::constrained && settings.methods.of<Constrained>().windows)
     {
-      settings.methods.constrained.windows = false;
+      settings.methods.of<Constrained>().windows = false;
       runs.push_back(run_method(robot, settings, states, changes, fmt::format("{}, no windows", known.name)));
-      settings.methods.constrained.windows = true;
+      settings.methods.of<Constrained>().windows = true;
     }
     runs.push_back(run_method(robot, settings, states, changes, std::string(known.name)));
   }

@@ -1,3 +1,4 @@
+#include "answer/answer_message.h"
 #include "commands/offline.h"
 #include "commands/robot_choice.h"
 #include "commands/subcommands.h"
@@ -92,38 +93,29 @@ private:
   std::vector<std::byte> buffer_;
 };
 
-// the daemon's line for one desired state after another: bytes, checked state, answer or refusal
+// what the daemon would publish for one desired state after another
 Tally answer_all(const Robot& robot, const AnswerSettings& settings, const DesiredMessages& desired,
                  AnswerWriter& writer)
 {
   const std::int64_t id = settings_id(settings);
   StreamMemory memory;
   Tally tally;
-  torque_command_t command{};
-  rejection_t rejection{};
+  Reply reply;
   flush_denormals();
   for (std::size_t i = 0; i < desired.messages.size(); ++i)
   {
     const Bytes message = desired.messages[i];
-    const Sender sender = read_sender(message);
-    writer.heard(sender.utime, message);
-    const Result<DesiredState> state = decode_desired_state(message, robot);
-    const Refusal* refusal = std::get_if<Refusal>(&state);
-    const Result<Answer> answered =
-        refusal ? Result<Answer>(*refusal) : answer(robot, settings, std::get<DesiredState>(state), memory);
-    refusal = std::get_if<Refusal>(&answered);
-    if (refusal)
+    writer.heard(read_sender(message).utime, message);
+    if (answer_message(robot, settings, id, message, memory, reply))
     {
-      fill(rejection, sender, *refusal);
-      tally.reject(rejection.reason, fmt::format("{}: {}", desired.place(i), rejection.detail));
-      writer.write(rejection);
+      tally.answer(reply.command.flags);
+      reply.command.sequence = tally.answered;
+      writer.write(reply.command);
     }
     else
     {
-      fill(command, std::get<Answer>(answered), robot.model_id, id);
-      tally.answer(command.flags);
-      command.sequence = tally.answered;
-      writer.write(command);
+      tally.reject(reply.rejection.reason, fmt::format("{}: {}", desired.place(i), reply.rejection.detail));
+      writer.write(reply.rejection);
     }
   }
   return tally;

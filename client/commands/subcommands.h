@@ -35,8 +35,6 @@ std::vector<Subcommand> add_subcommands(CLI::App& torquectl);
 inline constexpr const char* kRobotOfFile = "default: the one that the file names";
 /// Adds an option --robot that says which robots ship, and what happens without it.
 void add_robot_option(CLI::App& subcommand, std::string& robot, const std::string& without);
-/// The methods' names, one after another.
-std::string method_names();
 /// Adds an option --method that says which methods there are.
 void add_method_option(CLI::App& subcommand, std::optional<std::string>& method, const std::string& what);
 /// Adds an option --prefix.

@@ -106,14 +106,6 @@ void add_robot_option(CLI::App& subcommand, std::string& robot, const std::strin
       ->type_name("NAME|FILE");
 }
 
-std::string method_names()
-{
-  std::vector<std::string_view> methods;
-  for (const NamedMethod& known : kMethods)
-    methods.push_back(known.name);
-  return fmt::format("{}", fmt::join(methods, ", "));
-}
-
 void add_method_option(CLI::App& subcommand, std::optional<std::string>& method, const std::string& what)
 {
   subcommand.add_option("--method", method, fmt::format("{}: {}", what, method_names()))->type_name("NAME");

@@ -1,6 +1,6 @@
 #include "motion/csv_trajectory.h"
 
-#include "methods/torque_method.h"
+#include "methods/method.h"
 #include "motion/column_names.h"
 #include "motion/csv_lines.h"
 #include "motion/differentiation.h"
@@ -177,17 +177,11 @@ private:
     const std::string& word = cell(*columns_.method);
     if (word.empty() || word == "default" || word == name_of(Method::none))
       return desired_state_t::DEFAULT;
-    for (const NamedMethod& known : kMethods)
-      if (word == known.name)
-        return static_cast<std::int8_t>(known.method);
+    if (const Method named = method_named(word); named != Method::none)
+      return static_cast<std::int8_t>(named);
     int value = 0;
     if (!parse(word, value) || value < INT8_MIN || value > INT8_MAX)
-    {
-      std::vector<std::string_view> known;
-      for (const NamedMethod& named : kMethods)
-        known.push_back(named.name);
-      fail("method", quoted_cell(word), fmt::format("default, {}, or a method's number", fmt::join(known, ", ")));
-    }
+      fail("method", quoted_cell(word), fmt::format("default, {}, or a method's number", method_names()));
     return static_cast<std::int8_t>(value);
   }
 

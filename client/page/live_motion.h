@@ -3,6 +3,7 @@
 
 #include "page/report_page.h"
 #include "study/world_path.h"
+#include "wire/codec.h"
 
 #include <chrono>
 #include <cstdint>

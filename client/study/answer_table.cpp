@@ -1,23 +1,16 @@
 #include "study/answer_table.h"
 
-#include "methods/torque_method.h"
+#include "methods/method.h"
 #include "motion/csv_lines.h"
+#include "stance/checks.h"
+#include "wire/command_fields.h"
 
-#include <array>
 #include <cmath>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
-#include <utility>
 
 namespace torqued
 {
-
-namespace
-{
-
-constexpr std::array kGroundColumns{"fx", "fz", "moment", "sole_cop"};
-
-} // namespace
 
 std::string number_cell(double number)
 {
@@ -29,47 +22,81 @@ std::string seconds_cell(std::int64_t microseconds)
   return number_cell(static_cast<double>(microseconds) / 1e6);
 }
 
+namespace
+{
+
+// The names of the columns of a field.
+struct Columns
+{
+  const std::vector<std::string>& joints;
+  const std::vector<std::string>& accelerations; // those of the base point among them
+  std::vector<std::string> names;
+
+  void operator()(std::string_view field, double) { names.emplace_back(field); }
+  void operator()(std::string_view field, const std::vector<double>&)
+  {
+    const bool torque = field == "torque";
+    for (const std::string& name : torque ? joints : accelerations)
+      names.push_back((torque ? "tau_" : "a_") + name);
+  }
+  void operator()(std::string_view, const double (&)[2]) {} // stands among the accelerations
+  void operator()(std::string_view field, const ground_reaction_t&)
+  {
+    for (const std::string name : {"fx", "fz", "moment", "sole_cop"})
+      names.push_back(name + (field == "left" ? "L" : "R"));
+  }
+  void operator()(std::string_view field, std::int32_t)
+  {
+    names.emplace_back(field);
+    names.emplace_back("flag_names");
+  }
+  void operator()(std::string_view field, std::int8_t) { names.emplace_back(field); }
+};
+
+// Their cells.
+struct Cells
+{
+  const std::vector<double>& accelerations;
+  std::vector<std::string> cells;
+
+  void operator()(std::string_view, double number) { cells.push_back(std::isnan(number) ? "" : number_cell(number)); }
+  void operator()(std::string_view field, const std::vector<double>& numbers)
+  {
+    for (const double number : field == "torque" ? numbers : accelerations)
+      (*this)(field, number);
+  }
+  void operator()(std::string_view, const double (&)[2]) {}
+  void operator()(std::string_view field, const ground_reaction_t& foot)
+  {
+    for (const double number : {foot.fx, foot.fz, foot.moment, foot.cop})
+      (*this)(field, number);
+  }
+  void operator()(std::string_view, std::int32_t flags)
+  {
+    cells.push_back(fmt::format("{}", flags));
+    cells.push_back(fmt::format("{}", fmt::join(flag_names(flags), "|")));
+  }
+  void operator()(std::string_view, std::int8_t method) { cells.push_back(method_name(method)); }
+};
+
+} // namespace
+
 std::vector<std::string> answer_columns(const std::vector<std::string>& joint_names,
                                         const std::vector<std::string>& accelerations)
 {
-  std::vector<std::string> columns;
-  for (const std::string& joint : joint_names)
-    columns.push_back("tau_" + joint);
-  for (const char* side : {"L", "R"})
-    for (const std::string name : kGroundColumns)
-      columns.push_back(name + side);
-  for (const char* name : {"zmp", "flags", "flag_names", "dynamics_residual", "contact_speed", "contact_residual"})
-    columns.emplace_back(name);
-  for (const std::string& name : accelerations)
-    columns.push_back("a_" + name);
-  for (const char* name : {"adjustment", "method", "rejected"})
-    columns.emplace_back(name);
-  return columns;
+  Columns columns{joint_names, accelerations, {}};
+  const torque_command_t any{};
+  for_each_field(columns, any);
+  columns.names.emplace_back("rejected");
+  return columns.names;
 }
 
 std::vector<std::string> answer_cells(const torque_command_t& command, const std::vector<double>& accelerations)
 {
-  std::vector<std::string> cells;
-  const auto add = [&cells](double number)
-  {
-    cells.push_back(std::isnan(number) ? "" : number_cell(number));
-  };
-  for (const double torque : command.torque)
-    add(torque);
-  for (const ground_reaction_t* foot : {&command.left, &command.right})
-    for (const double number : {foot->fx, foot->fz, foot->moment, foot->cop})
-      add(number);
-  add(command.zmp);
-  cells.push_back(fmt::format("{}", command.flags));
-  cells.push_back(fmt::format("{}", fmt::join(flag_names(command.flags), "|")));
-  for (const double number : {command.dynamics_residual, command.contact_speed, command.contact_residual})
-    add(number);
-  for (const double number : accelerations)
-    add(number);
-  add(command.adjustment);
-  cells.push_back(method_name(command.method));
-  cells.emplace_back();
-  return cells;
+  Cells cells{accelerations, {}};
+  for_each_field(cells, command);
+  cells.cells.emplace_back();
+  return cells.cells;
 }
 
 std::vector<std::string> rejected_cells(std::size_t columns, std::string_view why)
@@ -87,22 +114,8 @@ std::string method_name(std::int8_t method)
 
 std::vector<std::string> flag_names(std::int32_t flags)
 {
-  constexpr std::array<std::pair<std::int32_t, const char*>, 13> known{
-      {{flag::slips, "SLIPS"},
-       {flag::lifts, "LIFTS"},
-       {flag::tips, "TIPS"},
-       {flag::over_torque, "OVER_TORQUE"},
-       {flag::clamped, "CLAMPED"},
-       {flag::relaxed, "RELAXED"},
-       {flag::inconsistent, "INCONSISTENT"},
-       {flag::late, "LATE"},
-       {flag::over_rate, "OVER_RATE"},
-       {flag::projected, "PROJECTED"},
-       {flag::adjusted, "ADJUSTED"},
-       {flag::contact_acceleration, "CONTACT_ACCELERATION"},
-       {flag::prior, "PRIOR"}}};
   std::vector<std::string> names;
-  for (const auto& [bit, name] : known)
+  for (const auto& [bit, name] : kFlagNames)
     if (flags & bit)
       names.emplace_back(name);
   return names;

@@ -19,7 +19,7 @@
 /// Numbers are as short as they can be and still be read back as the same bits, so equal text means equal answers.
 #pragma once
 
-#include "wire/codec.h"
+#include <torqued/torque_command_t.hpp>
 
 #include <cstdint>
 #include <string>

@@ -9,29 +9,6 @@
 namespace torqued
 {
 
-Answer to_answer(const torque_command_t& command)
-{
-  const auto reaction = [](const ground_reaction_t& r)
-  {
-    return GroundReaction{{r.fx, r.fz, r.moment}, r.cop, r.friction_ratio};
-  };
-  Answer answer;
-  answer.utime = command.utime;
-  answer.stream_id = command.stream_id;
-  answer.method = static_cast<Method>(command.method);
-  answer.flags = command.flags;
-  answer.ground = {reaction(command.left), reaction(command.right)};
-  answer.zmp = command.zmp;
-  answer.dynamics_residual = command.dynamics_residual;
-  answer.contact_speed = command.contact_speed;
-  answer.contact_residual = command.contact_residual;
-  answer.base_a = {command.base_a[0], command.base_a[1]};
-  answer.adjustment = command.adjustment;
-  answer.a = Eigen::Map<const Eigen::VectorXd>(command.a.data(), command.num_coordinates);
-  answer.torque = Eigen::Map<const Eigen::VectorXd>(command.torque.data(), command.num_joints);
-  return answer;
-}
-
 void require_fit(const torque_command_t& command, int num_coordinates, int num_joints, const std::string& robot,
                  const std::string& where)
 {

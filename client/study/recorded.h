@@ -1,6 +1,7 @@
 /// The answers that a log holds.
 #pragma once
 
+#include "answer/command.h"
 #include "wire/codec.h"
 
 #include <cstdint>
@@ -15,10 +16,6 @@
 
 namespace torqued
 {
-
-/// A command as the daemon had it. Requires: as many torques as the robot has actuators, and accelerations as it has
-/// coordinates.
-Answer to_answer(const torque_command_t& command);
 
 /// Throws Failure, bad_data, unless a command is one of this robot: as many accelerations as coordinates, and torques
 /// as joints. where: of its desired state, for complaints.

@@ -1,12 +1,12 @@
 #include "answer/answer.h"
 
-#include "robot/fnv.h"
+#include "methods/torque_solution.h"
 #include "stance/projection.h"
+#include "wire/command_fields.h"
 #include "wire/finite.h"
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <optional>
 
 #if defined(__SSE2__)
@@ -46,123 +46,29 @@ std::optional<Refusal> check_consistency(const AnswerSettings& settings, const C
       settings.sole_tilt_tolerance);
 }
 
-// The time since the answer before, µs, in which torques may have changed.
-struct Elapsed
+// A sum of zeros that is not a number if one of the fields is not finite.
+struct Finite
 {
-  bool follows;       // whether there is an answer before
-  std::int64_t time;  // positive; of no consequence if there is none
-  std::int64_t ahead; // StreamMemory::ahead after this one
+  double sum = 0.0;
+
+  void operator()(const char*, double number) { sum += 0.0 * number; }
+  void operator()(const char*, const GroundReaction& foot)
+  {
+    sum += 0.0 * (foot.wrench.fx + foot.wrench.fz + foot.wrench.moment + foot.cop + foot.friction_ratio);
+  }
+  template <typename Vector> void operator()(const char*, const Eigen::MatrixBase<Vector>& numbers)
+  {
+    sum += 0.0 * numbers.sum();
+  }
+  void operator()(const char*, std::int32_t) {}
+  void operator()(const char*, Method) {}
 };
-
-Elapsed elapsed_since(const StreamMemory& memory, const DesiredState& desired, const std::optional<OwnClock>& clock)
-{
-  const bool same_stream = memory.answered && memory.stream_id == desired.stream_id && memory.utime < desired.utime;
-  std::int64_t sent = 1;
-  if (same_stream && __builtin_sub_overflow(desired.utime, memory.utime, &sent))
-    sent = std::numeric_limits<std::int64_t>::max();
-  if (!clock || !memory.answered)
-    return {same_stream, sent, 0};
-
-  const std::int64_t own = std::max<std::int64_t>(clock->now - memory.now, 0);
-  const std::int64_t most = 5 * clock->max_age;
-  if (!same_stream)
-    return {true, std::clamp<std::int64_t>(own, 1, most), 0};
-  const std::int64_t time =
-      std::clamp<std::int64_t>(sent, 1, std::max<std::int64_t>(own + clock->max_age - memory.ahead, 1));
-  return {true, time, std::max(memory.ahead + time - own, -most)};
-}
-
-// Whether a torque is one that a robot of this size could ever need.
-std::optional<Refusal> check_magnitude(const Robot& robot, const VectorJ& torque)
-{
-  const double weight = robot.weight();
-  const double most = kMostTorque * weight * std::min(robot.leg_length, 1.0);
-  if (torque.lpNorm<Eigen::Infinity>() <= most)
-    return {};
-  for (int j = 0; j < robot.num_joints(); ++j)
-  {
-    const Actuator& actuator = robot.actuators[static_cast<std::size_t>(j)];
-    const bool slide = is_force(robot, actuator);
-    const double limit = kMostTorque * weight * (slide ? 1.0 : robot.leg_length);
-    if (!(std::abs(torque(j)) <= limit))
-      return Refusal(Reason::numerical,
-                     "{} would need {:.4g} {}; expected at most {:.4g}, {} times {}: the motion's numbers are no "
-                     "motion of this robot",
-                     actuator.name, torque(j), slide ? "N" : "N m", limit, kMostTorque,
-                     slide ? "the weight" : "weight times leg length");
-  }
-  return {};
-}
-
-// the last operation before the answer is checked: no torque is changed after this
-std::optional<Refusal> apply_limits(const Robot& robot, const AnswerSettings& settings, const Elapsed& elapsed,
-                                    const StreamMemory& memory, VectorJ& torque, std::int32_t& flags)
-{
-  constexpr double rounding = 1.0 + 1e-9;
-  const bool follows = elapsed.follows;
-  const double dt = 1e-6 * static_cast<double>(elapsed.time); // not 0: 0 times an infinite limit would be no number
-  bool in_limits = true;
-  const double* now = torque.data();
-  const double* before = follows ? memory.torque.data() : now; // of no change, if it follows none
-  for (const Actuator& actuator : robot.actuators)
-  {
-    in_limits &= std::abs(*now) <= actuator.torque_limit;
-    in_limits &= std::abs(*now++ - *before++) <= actuator.rate_limit * dt;
-  }
-  if (in_limits)
-    return {};
-
-  for (int j = 0; j < robot.num_joints(); ++j)
-  {
-    const Actuator& actuator = robot.actuators[static_cast<std::size_t>(j)];
-    const bool is_over = std::abs(torque(j)) > actuator.torque_limit * rounding;
-    if (is_over)
-    {
-      flags |= flag::over_torque;
-      if (settings.limits == OnExcess::refuse)
-        return Refusal(Reason::over_limit, "{} would need {:.4g} N m; its torque limit is {:.4g} N m", actuator.name,
-                       torque(j), actuator.torque_limit);
-    }
-    if (settings.limits == OnExcess::clamp)
-    {
-      // also what is over by no more than rounding: a clamped torque keeps its limit to the last bit
-      flags |= is_over ? flag::clamped : 0;
-      torque(j) = std::clamp(torque(j), -actuator.torque_limit, actuator.torque_limit);
-    }
-
-    const double step = actuator.rate_limit * dt;
-    if (follows && std::abs(torque(j) - memory.torque(j)) > step * rounding)
-    {
-      flags |= flag::over_rate;
-      if (settings.rate_limits == OnExcess::refuse)
-        return Refusal(Reason::over_limit, "{} would change by {:.4g} N m in {:.4g} s; its rate limit is {:.4g} N m/s",
-                       actuator.name, torque(j) - memory.torque(j), dt, actuator.rate_limit);
-      if (settings.rate_limits == OnExcess::clamp)
-      {
-        flags |= flag::clamped;
-        torque(j) = std::clamp(torque(j), memory.torque(j) - step, memory.torque(j) + step);
-      }
-    }
-  }
-  return {};
-}
-
-void add_weights(Fnv1a& hash, const JointWeights& weights)
-{
-  hash.add(static_cast<int>(weights.rows()));
-  for (const double weight : weights.reshaped())
-    hash.add(weight);
-}
 
 bool all_finite(const Answer& answer)
 {
-  // a number that is not finite makes the sum so; a torque, or a foot's wrench, that is not makes the residual so
-  double sum = 0.0 * answer.zmp + 0.0 * answer.dynamics_residual;
-  sum += 0.0 * answer.contact_speed + 0.0 * answer.contact_residual;
-  sum += 0.0 * answer.base_a.x() + 0.0 * answer.base_a.y() + 0.0 * answer.adjustment;
-  for (const GroundReaction& foot : answer.ground)
-    sum += 0.0 * foot.cop + 0.0 * foot.friction_ratio;
-  return is_finite(sum);
+  Finite finite;
+  for_each_field(finite, answer);
+  return is_finite(finite.sum);
 }
 
 // The coordinates' accelerations: those asked for, or, where the motion was moved, its own in the coordinates that were
@@ -254,38 +160,6 @@ std::optional<Refusal> answer_motion(const Robot& robot, const AnswerSettings& s
 }
 
 } // namespace
-
-std::int64_t settings_id(const AnswerSettings& settings)
-{
-  Fnv1a hash;
-  const MethodSettings& methods = settings.methods;
-  hash.add(static_cast<int>(methods.method));
-  add_weights(hash, methods.pseudo_inverse.weights);
-  for (const double weight : methods.pseudo_inverse.reaction_weights)
-    hash.add(weight);
-  hash.add(methods.linear_transition.leading_cop.value_or(-1.0));
-  hash.add(methods.internal_wrench.sigma);
-  add_weights(hash, methods.internal_wrench.weights);
-  add_weights(hash, methods.torso_wrench.weights);
-  add_weights(hash, methods.constrained.weights);
-  hash.add(static_cast<int>(methods.constrained.windows));
-  hash.add(methods.constrained.reference_weight);
-  hash.add(methods.constrained.f_min.value_or(-1.0));
-  for (const double number : {methods.human_transition.trailing_cop, methods.human_transition.leading_cop,
-                              methods.human_transition.time_weight, methods.human_transition.fade})
-    hash.add(number);
-  hash.add(static_cast<int>(methods.relax));
-  hash.add(static_cast<int>(settings.consistency));
-  hash.add(settings.contact_speed_tolerance);
-  hash.add(settings.contact_tolerance);
-  hash.add(settings.sole_tilt_tolerance);
-  hash.add(settings.contact_height_tolerance);
-  hash.add(settings.residual_tolerance);
-  hash.add(static_cast<int>(settings.project));
-  hash.add(static_cast<int>(settings.limits));
-  hash.add(static_cast<int>(settings.rate_limits));
-  return hash.id();
-}
 
 Result<DesiredState> answered_motion(const Robot& robot, const AnswerSettings& settings, const DesiredState& desired)
 {

@@ -9,6 +9,7 @@
 #include <cmath>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
+#include <functional>
 #include <sstream>
 #include <stdexcept>
 
@@ -20,179 +21,224 @@ namespace
 
 constexpr std::array<std::string_view, 7> kLogLevels{"trace", "debug", "info", "warn", "error", "critical", "off"};
 
-std::string_view word(OnExcess what)
+void set_plain(std::string& text, const std::string& value)
 {
-  return what == OnExcess::flag ? "flag" : what == OnExcess::refuse ? "refuse" : "clamp";
-}
-
-// as a TOML text, in whatever quotes it needs
-std::string toml_text(std::string_view text)
-{
-  std::ostringstream toml;
-  toml << toml::value<std::string>(text);
-  return toml.str();
-}
-
-OnExcess read_on_excess(StrictTable& table, std::string_view key, OnExcess fallback, bool may_clamp)
-{
-  std::vector<std::string_view> words{"flag", "refuse"};
-  if (may_clamp)
-    words.push_back("clamp");
-  return static_cast<OnExcess>(table.choice(key, words, static_cast<int>(fallback)));
-}
-
-// a time in s
-double read_duration(StrictTable& table, std::string_view key, double longest, double fallback)
-{
-  const double value = table.number(key, fallback);
-  if (!(value > 0.0 && value <= longest))
-    table.fail(key, fmt::format("found {}; expected a positive number of seconds, up to {:g}", value, longest));
-  return value;
-}
-
-// a name or an address, which no line end or control character is part of
-std::string read_plain(StrictTable& table, std::string_view key, const std::string& fallback)
-{
-  const std::string value = table.text(key, fallback);
   if (std::any_of(value.begin(), value.end(), [](char c) { return static_cast<unsigned char>(c) < 0x20 || c == 0x7f; }))
-    table.fail(key, fmt::format("found \"{}\"; expected a text without control characters", printable(value)));
-  return value;
+    throw std::invalid_argument(
+        fmt::format("found \"{}\"; expected a text without control characters", printable(value)));
+  text = value;
 }
 
-double read_share(StrictTable& table, std::string_view key, double fallback, double most)
+Range seconds(double longest)
 {
-  const double value = table.number(key, fallback);
-  if (!(value >= 0.0 && value <= most))
-    table.fail(key, fmt::format("found {}; expected 0 to {}", value, most));
-  return value;
+  return {0.0, longest, fmt::format("a positive number of seconds, up to {:g}", longest), true};
 }
 
-// W of a method: [] for the unit matrix
-JointWeights read_weights(StrictTable& table)
+// What is done with all settings of a configuration: with those of answers, and with texts.
+class ConfigList : public SettingList
 {
-  const Eigen::MatrixXd W = table.matrix("weights", kMaxJoints);
-  const double size = W.size() > 0 ? W.cwiseAbs().maxCoeff() : 0.0;
-  for (Eigen::Index i = 0; i < W.rows(); ++i)
-    for (Eigen::Index k = 0; k < i; ++k)
-      if (std::abs(W(i, k) - W(k, i)) > 1e-12 * size)
-        table.fail("weights", fmt::format("found {} in row {}, column {} and {} in row {}, column {}; expected a "
-                                          "symmetric matrix",
-                                          W(i, k), i + 1, k + 1, W(k, i), k + 1, i + 1));
-  if (W.size() > 0 && W.llt().info() != Eigen::Success)
-    table.fail("weights", "found a matrix that is not positive definite; expected one that is, such as positive "
-                          "numbers for its diagonal");
-  return 0.5 * (W + W.transpose());
-}
+public:
+  // set: sets the text, or throws std::invalid_argument with what would be right
+  virtual void text(std::string_view key, const std::string& value, const std::function<void(const std::string&)>& set,
+                    std::string_view what) = 0;
+};
 
-std::string shown(const JointWeights& W)
+void list(Config& config, ConfigList& with)
 {
-  const auto row = [&W](Eigen::Index i)
+  const auto plain = [](std::string& text)
   {
-    return fmt::format("[{}]", fmt::join(W.row(i), ", "));
+    return [&text](const std::string& value)
+    {
+      set_plain(text, value);
+    };
   };
-  std::vector<std::string> entries;
-  const bool diagonal = W.isDiagonal(0.0);
-  for (Eigen::Index i = 0; i < W.rows(); ++i)
-    entries.push_back(diagonal ? fmt::format("{}", W(i, i)) : row(i));
-  return fmt::format("[{}]", fmt::join(entries, ", "));
+  const auto by = [&config](void (*set)(Config&, const std::string&))
+  {
+    return [&config, set](const std::string& value)
+    {
+      set(config, value);
+    };
+  };
+  with.text("robot", config.robot, plain(config.robot),
+            "a robot that ships, or a .toml or .urdf file; '': --robot must say it");
+  with.text("lcm_url", config.lcm_url, plain(config.lcm_url), "'': LCM_DEFAULT_URL, or LCM's own default");
+  with.text("prefix", config.prefix, by(set_prefix), "stands before each channel's name");
+  with.text("log_level", config.log_level, by(set_log_level), fmt::format("{}", fmt::join(kLogLevels, ", ")));
+  with.boolean("every_sample", config.every_sample, "answer all samples in order instead of the newest");
+  with.number("max_age", config.max_age, seconds(1.0),
+              "s; five times this long without an accepted sample, and another stream may begin");
+  with.number("deadline", config.deadline, seconds(3600.0), "s, arrival to publish");
+  list(config.answers, with);
 }
 
-void read_methods(StrictTable& table, MethodSettings& methods)
+// Reads each setting from a TOML file. finish() refuses all that is not a setting.
+class Reader : public ConfigList
 {
-  methods.relax = table.choice("infeasible", {"relax", "refuse"}, methods.relax ? 0 : 1) == 0;
-  if (auto settings = table.table("pseudo_inverse"))
-  {
-    methods.pseudo_inverse.weights = read_weights(*settings);
-    const Eigen::MatrixXd V = settings->matrix("reaction_weights", 3);
-    if (V.size() > 0)
-    {
-      if (V.rows() != 3 || !V.isDiagonal(0.0) || !(V.diagonal().minCoeff() > 0.0))
-        settings->fail("reaction_weights", "expected three positive numbers: of f_x, of f_z and of the moment");
-      methods.pseudo_inverse.reaction_weights = V.diagonal();
-    }
-    settings->finish();
-  }
-  if (auto settings = table.table("linear_transition"))
-  {
-    auto& leading_cop = methods.linear_transition.leading_cop;
-    if (settings->is_number("cop"))
-    {
-      leading_cop = settings->number("cop");
-      if (*leading_cop < 0.0 || *leading_cop > 1.0)
-        settings->fail("cop", fmt::format("found {}; expected \"zmp\", or 0 (heel) to 1 (toe)", *leading_cop));
-    }
-    else if (settings->text("cop", "zmp") != "zmp")
-    {
-      settings->fail("cop", "expected \"zmp\", or 0 (heel) to 1 (toe)");
-    }
-    settings->finish();
-  }
-  if (auto settings = table.table("internal_wrench"))
-  {
-    methods.internal_wrench.sigma = read_share(*settings, "sigma", methods.internal_wrench.sigma, 1.0);
-    methods.internal_wrench.weights = read_weights(*settings);
-    settings->finish();
-  }
-  if (auto settings = table.table("torso_wrench"))
-  {
-    methods.torso_wrench.weights = read_weights(*settings);
-    settings->finish();
-  }
-  if (auto settings = table.table("constrained"))
-  {
-    Constrained& constrained = methods.constrained;
-    constrained.weights = read_weights(*settings);
-    constrained.windows = settings->boolean("windows", constrained.windows);
-    constrained.reference_weight = settings->magnitude("reference_weight", constrained.reference_weight);
-    if (settings->is_number("f_min"))
-      constrained.f_min = settings->magnitude("f_min");
-    else if (settings->text("f_min", "robot") != "robot")
-      settings->fail("f_min", "expected \"robot\", or a force in N");
-    settings->finish();
-  }
-  if (auto settings = table.table("human_transition"))
-  {
-    HumanTransition& human = methods.human_transition;
-    human.trailing_cop = read_share(*settings, "trailing_cop", human.trailing_cop, 1.0);
-    human.leading_cop = read_share(*settings, "leading_cop", human.leading_cop, 1.0);
-    human.time_weight = read_share(*settings, "time_weight", human.time_weight, 1.0);
-    human.fade = read_share(*settings, "fade", human.fade, 0.5);
-    settings->finish();
-  }
-}
+public:
+  explicit Reader(StrictTable& file) : file_(file), in_(&file_) {}
 
-// a setting that flags can set too: the same check, with the file's line in front
-template <typename Set> void read_word(StrictTable& table, std::string_view key, Config& config, Set set)
+  void boolean(std::string_view key, bool& value, std::string_view) override
+  {
+    if (in_)
+      value = in_->boolean(key, value);
+  }
+  void number(std::string_view key, double& value, const Range& range, std::string_view) override
+  {
+    if (!in_)
+      return;
+    value = in_->number(key, value);
+    if (!range.holds(value))
+      in_->fail(key, fmt::format("found {}; expected {}", value, range.expected));
+  }
+  void number_or(std::string_view key, std::optional<double>& value, std::string_view word, const Range& range,
+                 std::string_view what) override
+  {
+    if (!in_)
+      return;
+    if (in_->is_number(key))
+      number(key, value.emplace(), range, what);
+    else if (const std::string found = in_->text(key, std::string(word)); found != word)
+      in_->fail(key, fmt::format("found \"{}\"; expected {}", printable(found), range.expected));
+    else if (in_->has(key))
+      value.reset();
+  }
+  void three(std::string_view key, Eigen::Vector3d& value, std::string_view expected, std::string_view) override
+  {
+    if (!in_)
+      return;
+    const Eigen::MatrixXd found = in_->matrix(key, 3);
+    if (found.size() == 0)
+      return;
+    if (found.rows() != 3 || !found.isDiagonal(0.0) || !(found.diagonal().minCoeff() > 0.0))
+      in_->fail(key, fmt::format("expected {}", expected));
+    value = found.diagonal();
+  }
+  void weights(std::string_view key, JointWeights& value, std::string_view) override
+  {
+    if (!in_)
+      return;
+    const Eigen::MatrixXd W = in_->matrix(key, kMaxJoints);
+    const double size = W.size() > 0 ? W.cwiseAbs().maxCoeff() : 0.0;
+    for (Eigen::Index i = 0; i < W.rows(); ++i)
+      for (Eigen::Index k = 0; k < i; ++k)
+        if (std::abs(W(i, k) - W(k, i)) > 1e-12 * size)
+          in_->fail(key, fmt::format("found {} in row {}, column {} and {} in row {}, column {}; expected a "
+                                     "symmetric matrix",
+                                     W(i, k), i + 1, k + 1, W(k, i), k + 1, i + 1));
+    if (W.size() > 0 && W.llt().info() != Eigen::Success)
+      in_->fail(key, "found a matrix that is not positive definite; expected one that is, such as positive "
+                     "numbers for its diagonal");
+    value = 0.5 * (W + W.transpose());
+  }
+  void word(std::string_view key, int& value, std::span<const std::string_view> words, std::string_view) override
+  {
+    if (in_)
+      value = in_->choice(key, {words.begin(), words.end()}, value);
+  }
+  void text(std::string_view key, const std::string& value, const std::function<void(const std::string&)>& set,
+            std::string_view) override
+  {
+    try
+    {
+      set(in_->text(key, value));
+    }
+    catch (const std::invalid_argument& error)
+    {
+      in_->fail(key, error.what());
+    }
+  }
+  void table(std::string_view name) override
+  {
+    finish_table();
+    table_ = file_.table(name);
+    in_ = table_ ? &*table_ : nullptr;
+  }
+
+  void finish()
+  {
+    finish_table();
+    file_.finish();
+  }
+
+private:
+  void finish_table()
+  {
+    if (table_)
+      table_->finish();
+  }
+
+  StrictTable& file_;
+  std::optional<StrictTable> table_;
+  StrictTable* in_; // the table that is read; null if the file does not have it
+};
+
+// Writes each setting as a line of TOML, with what it means.
+class Writer : public ConfigList
 {
-  if (!table.has(key))
-    return;
-  const std::string value = table.text(key);
-  try
+public:
+  void boolean(std::string_view key, bool& value, std::string_view what) override
   {
-    set(config, value);
+    line(key, fmt::format("{}", value), what);
   }
-  catch (const std::invalid_argument& error)
+  void number(std::string_view key, double& value, const Range&, std::string_view what) override
   {
-    table.fail(key, error.what());
+    line(key, fmt::format("{}", value), what);
   }
-}
+  void number_or(std::string_view key, std::optional<double>& value, std::string_view word, const Range&,
+                 std::string_view what) override
+  {
+    line(key, value ? fmt::format("{}", *value) : quoted(word), what);
+  }
+  void three(std::string_view key, Eigen::Vector3d& value, std::string_view, std::string_view what) override
+  {
+    line(key, fmt::format("[{}]", fmt::join(value, ", ")), what);
+  }
+  void weights(std::string_view key, JointWeights& W, std::string_view what) override
+  {
+    std::vector<std::string> entries;
+    for (Eigen::Index i = 0; i < W.rows(); ++i)
+      entries.push_back(W.isDiagonal(0.0) ? fmt::format("{}", W(i, i))
+                                          : fmt::format("[{}]", fmt::join(W.row(i), ", ")));
+    line(key, fmt::format("[{}]", fmt::join(entries, ", ")), what);
+  }
+  void word(std::string_view key, int& value, std::span<const std::string_view> words, std::string_view what) override
+  {
+    line(key, quoted(words[static_cast<std::size_t>(value)]), what);
+  }
+  void text(std::string_view key, const std::string& value, const std::function<void(const std::string&)>&,
+            std::string_view what) override
+  {
+    line(key, quoted(value), what);
+  }
+  void table(std::string_view name) override { toml_ += fmt::format("\n[{}]\n", name); }
+
+  const std::string& toml() const { return toml_; }
+
+private:
+  void line(std::string_view key, std::string_view value, std::string_view what)
+  {
+    toml_ += fmt::format("{} = {}  # {}\n", key, value, what);
+  }
+
+  // in whatever quotes it needs
+  static std::string quoted(std::string_view text)
+  {
+    std::ostringstream toml;
+    toml << toml::value<std::string>(text);
+    return toml.str();
+  }
+
+  std::string toml_ = "# configuration of torqued\n\n";
+};
 
 } // namespace
 
 void set_method(Config& config, const std::string& name)
 {
-  std::vector<std::string_view> names;
-  for (const NamedMethod& known : kMethods)
-  {
-    names.push_back(known.name);
-    if (known.name == name)
-    {
-      config.answers.methods.method = known.method;
-      return;
-    }
-  }
-  throw std::invalid_argument(
-      fmt::format("found \"{}\"; expected one of: {}", printable(name), fmt::join(names, ", ")));
+  const Method method = method_named(name);
+  if (method == Method::none)
+    throw std::invalid_argument(fmt::format("found \"{}\"; expected one of: {}", printable(name), method_names()));
+  config.answers.methods.method = method;
 }
 
 void set_prefix(Config& config, const std::string& prefix)
@@ -228,107 +274,24 @@ Config read_config(std::string_view text, const std::string& file)
   const toml::table document = parse_toml(text, file);
   StrictTable table(document, file);
   Config config;
-  config.robot = read_plain(table, "robot", config.robot);
-  config.lcm_url = read_plain(table, "lcm_url", config.lcm_url);
   config.lcm_url_set_by = "lcm_url in " + file;
-  read_word(table, "prefix", config, set_prefix);
-  config.every_sample = table.boolean("every_sample", config.every_sample);
-  config.max_age = read_duration(table, "max_age", 1.0, config.max_age);
-  config.deadline = read_duration(table, "deadline", 3600.0, config.deadline);
-  read_word(table, "log_level", config, set_log_level);
-
-  AnswerSettings& answers = config.answers;
-  read_word(table, "method", config, set_method);
-  answers.consistency = read_on_excess(table, "consistency", answers.consistency, false);
-  answers.contact_speed_tolerance = table.magnitude("contact_speed_tolerance", answers.contact_speed_tolerance);
-  answers.contact_tolerance = table.magnitude("contact_tolerance", answers.contact_tolerance);
-  answers.sole_tilt_tolerance = table.magnitude("sole_tilt_tolerance", answers.sole_tilt_tolerance);
-  answers.contact_height_tolerance = table.magnitude("contact_height_tolerance", answers.contact_height_tolerance);
-  answers.residual_tolerance = table.magnitude("residual_tolerance", answers.residual_tolerance);
-  answers.limits = read_on_excess(table, "limits", answers.limits, true);
-  answers.rate_limits = read_on_excess(table, "rate_limits", answers.rate_limits, true);
-
-  answers.project = table.boolean("project", answers.project);
-  read_methods(table, answers.methods);
-  table.finish();
+  Reader reader(table);
+  list(config, reader);
+  reader.finish();
   return config;
 }
 
 void check_fits(const Config& config, const Robot& robot)
 {
-  if (const auto wrong = complaint(config.answers.methods, robot.num_joints()))
+  if (const auto wrong = complaint(config.answers, robot.num_joints()))
     throw FileError("the configuration does not fit " + robot.name + ": " + *wrong);
 }
 
-std::string to_toml(const Config& config)
+std::string to_toml(Config config)
 {
-  const AnswerSettings& answers = config.answers;
-  const MethodSettings& methods = answers.methods;
-  const auto cop = methods.linear_transition.leading_cop;
-  const auto f_min = methods.constrained.f_min;
-  return fmt::format(
-      R"(# configuration of torqued
-
-robot = {}  # a robot that ships, or a .toml or .urdf file; '': --robot must say it
-lcm_url = {}  # '': LCM_DEFAULT_URL, or LCM's own default
-prefix = {}  # stands before each channel's name
-log_level = {}
-every_sample = {}  # answer all samples in order instead of the newest
-max_age = {}  # s; five times this long without an accepted sample, and another stream may begin
-deadline = {}  # s, arrival to publish
-
-method = {}
-consistency = {}  # a motion that contradicts its contacts: flag or refuse
-contact_speed_tolerance = {}  # m/s, rad/s
-contact_tolerance = {}  # m/s^2, rad/s^2
-sole_tilt_tolerance = {}  # rad
-contact_height_tolerance = {}  # m above or below the ground z = 0
-residual_tolerance = {}  # under-actuated motion: share of the weight, or of weight x leg length
-limits = {}  # torque limits: flag, refuse or clamp
-rate_limits = {}  # torque-rate limits: flag, refuse or clamp
-project = {}  # answer the nearest motion that keeps its contacts
-infeasible = {}  # constrained: conditions that cannot be met: relax or refuse
-
-# weights: of each motor's torque, or a symmetric positive definite matrix; []: all 1
-
-[pseudo_inverse]
-weights = {}
-reaction_weights = {}  # of f_x, f_z and moment
-
-[linear_transition]
-cop = {}  # both feet on their soles: 'zmp', or the leading foot's pressure point from 0 (heel) to 1 (toe)
-
-[internal_wrench]
-sigma = {}  # 0 to 1; changes the internal wrench, not the torques
-weights = {}
-
-[torso_wrench]
-weights = {}
-
-[constrained]
-weights = {}
-windows = {}  # bounds that close where contacts change, so that torques do not jump
-reference_weight = {}  # of the distance to zmp-transition's reactions, x leg length, beside that of the torques
-f_min = {}  # least normal force of a loaded foot, N; 'robot': as its file says
-
-[human_transition]
-trailing_cop = {}  # where the trailing sole presses, 0 (heel) to 1 (toe)
-leading_cop = {}  # and the leading one
-time_weight = {}  # 0 to 1: weight of load_transfer, against the lever rule, in the vertical share
-fade = {}  # 0 to 0.5: share of the double support in which each end passes into single support; 0: at once
-)",
-      toml_text(config.robot), toml_text(config.lcm_url), toml_text(config.prefix), toml_text(config.log_level),
-      config.every_sample, config.max_age, config.deadline, toml_text(name_of(answers.methods.method)),
-      toml_text(word(answers.consistency)), answers.contact_speed_tolerance, answers.contact_tolerance,
-      answers.sole_tilt_tolerance, answers.contact_height_tolerance, answers.residual_tolerance,
-      toml_text(word(answers.limits)), toml_text(word(answers.rate_limits)), answers.project,
-      toml_text(methods.relax ? "relax" : "refuse"), shown(methods.pseudo_inverse.weights),
-      fmt::format("[{}]", fmt::join(methods.pseudo_inverse.reaction_weights, ", ")),
-      cop ? fmt::format("{}", *cop) : toml_text("zmp"), methods.internal_wrench.sigma,
-      shown(methods.internal_wrench.weights), shown(methods.torso_wrench.weights), shown(methods.constrained.weights),
-      methods.constrained.windows, methods.constrained.reference_weight,
-      f_min ? fmt::format("{}", *f_min) : toml_text("robot"), methods.human_transition.trailing_cop,
-      methods.human_transition.leading_cop, methods.human_transition.time_weight, methods.human_transition.fade);
+  Writer writer;
+  list(config, writer);
+  return writer.toml();
 }
 
 } // namespace torqued

@@ -1,7 +1,7 @@
 /// The daemon's configuration: a TOML file, flags over it, one checked struct.
 #pragma once
 
-#include "answer/answer.h"
+#include "answer/settings.h"
 
 #include <string>
 
@@ -37,6 +37,6 @@ void set_log_level(Config& config, const std::string& level);
 void check_fits(const Config& config, const Robot& robot);
 
 /// The whole configuration as TOML; read_config() of it gives it back.
-std::string to_toml(const Config& config);
+std::string to_toml(Config config);
 
 } // namespace torqued

@@ -1,5 +1,7 @@
 #include "daemon/lcm_loop.h"
 
+#include "answer/command.h"
+
 #include <algorithm>
 #include <cmath>
 #include <cstring>

@@ -1,6 +1,7 @@
 /// The daemon's loop: carries bytes from the bus to the line of answer.h, and its answers back.
 #pragma once
 
+#include "answer/answer.h"
 #include "answer/answer_dynamics.h"
 #include "answer/config.h"
 #include "daemon/latency.h"

@@ -44,10 +44,6 @@ struct Exit
 // The command line over the configuration file over the defaults; nothing if the command line only asked for words.
 std::optional<Config> configure(int argc, char** argv)
 {
-  std::vector<std::string_view> methods;
-  for (const NamedMethod& known : kMethods)
-    methods.push_back(known.name);
-
   CLI::App app{"torqued hears desired joint states of a planar biped on LCM and publishes the joint torques and ground "
                "reactions that produce them.",
                "torqued"};
@@ -65,8 +61,8 @@ std::optional<Config> configure(int argc, char** argv)
       ->type_name("NAME|FILE");
   app.add_option("--config", file, "a TOML file that sets what flags do not")->type_name("FILE");
   app.add_option("--method", method,
-                 fmt::format("how double support is resolved: {}; default: {}", fmt::join(methods, ", "),
-                             name_of(MethodSettings{}.method)))
+                 fmt::format("how double support is resolved: {}; default: {}", method_names(),
+                             name_of(MethodSettings().method)))
       ->type_name("NAME");
   app.add_option("--lcm-url", lcm_url, "the bus; default: LCM_DEFAULT_URL, or LCM's own default")->type_name("URL");
   app.add_option("--prefix", prefix, "stands before each channel's name")->type_name("TEXT");

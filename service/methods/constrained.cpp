@@ -1,7 +1,7 @@
 #include "methods/constrained.h"
 
-#include "methods/linear_transition.h"
 #include "methods/quadratic_program.h"
+#include "methods/zmp_transition.h"
 #include "planar/processors.h"
 
 #include <algorithm>
@@ -418,6 +418,27 @@ Result<Reactions> constrained(const Robot& robot, const SupportEquations& equati
   if (solution.status != QuadraticProgramStatus::optimal)
     return Refusal(Reason::numerical, "the optimisation did not end; the motion's numbers are too large");
   return Result<Reactions>(std::in_place_type<Reactions>, all, in_units(solution, unit), relaxed);
+}
+
+static void list(Constrained& settings, SettingList& with)
+{
+  const Range force{0.0, std::numeric_limits<double>::max(), "\"robot\", or a force of 0 N or more"};
+  with.weights("weights", settings.weights, "of each motor's torque");
+  with.boolean("windows", settings.windows, "bounds that close where contacts change, so that torques do not jump");
+  with.number("reference_weight", settings.reference_weight, not_negative(),
+              "of the distance to zmp-transition's reactions, x leg length, beside that of the torques");
+  with.number_or("f_min", settings.f_min, "robot", force,
+                 "least normal force of a loaded foot, N; 'robot': as its file says");
+}
+
+MethodRow constrained_row()
+{
+  return method_row<Constrained>("constrained",
+                                 [](const DoubleSupport& now)
+                                 {
+                                   return constrained(now.robot, now.equations, now.support, now.all,
+                                                      now.settings.of<Constrained>(), now.settings.relax);
+                                 });
 }
 
 } // namespace torqued

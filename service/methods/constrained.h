@@ -1,8 +1,7 @@
 /// Double support by optimisation under the conditions of contacts and motors.
 #pragma once
 
-#include "stance/reactions.h"
-#include "stance/refusal.h"
+#include "methods/method.h"
 
 #include <optional>
 
@@ -38,6 +37,7 @@ namespace torqued
 /// of that more than they must.
 struct Constrained
 {
+  static constexpr Method kMethod = Method::constrained;
   JointWeights weights;
   bool windows = true;
   double reference_weight = 0.0; ///< k

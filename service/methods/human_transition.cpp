@@ -2,7 +2,7 @@
 
 #include "methods/linear_transition.h"
 #include "methods/load_sharing.h"
-
+#include "methods/zmp_transition.h"
 #include "planar/dynamics.h"
 
 #include <algorithm>
@@ -85,6 +85,24 @@ Result<Reactions> human_transition(const Robot& robot, const SupportEquations& e
   if (Reactions* reactions = std::get_if<Reactions>(&result))
     reactions->clamped = std::abs(load_on_lever) < nothing;
   return result;
+}
+
+static void list(HumanTransition& settings, SettingList& with)
+{
+  with.number("trailing_cop", settings.trailing_cop, from_0_to(1.0),
+              "where the trailing sole presses, 0 (heel) to 1 (toe)");
+  with.number("leading_cop", settings.leading_cop, from_0_to(1.0), "and the leading one");
+  with.number("time_weight", settings.time_weight, from_0_to(1.0),
+              "0 to 1: weight of load_transfer, against the lever rule, in the vertical share");
+  with.number("fade", settings.fade, from_0_to(0.5),
+              "0 to 0.5: share of the double support in which each end passes into single support; 0: at once");
+}
+
+MethodRow human_transition_row()
+{
+  return method_row<HumanTransition>(
+      "human-transition", [](const DoubleSupport& now)
+      { return human_transition(now.robot, now.equations, now.support, now.settings.of<HumanTransition>()); });
 }
 
 } // namespace torqued

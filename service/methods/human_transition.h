@@ -1,8 +1,7 @@
 /// Double support as people walk it.
 #pragma once
 
-#include "stance/reactions.h"
-#include "stance/refusal.h"
+#include "methods/method.h"
 
 namespace torqued
 {
@@ -10,6 +9,7 @@ namespace torqued
 /// Shape of human_transition(): of no particular subject, found on one measured walk and flat around these values.
 struct HumanTransition
 {
+  static constexpr Method kMethod = Method::human_transition;
   double trailing_cop = 0.875; ///< 0 = heel, 1 = toe: where the trailing sole presses when it can, about the toes' ball
   double leading_cop = 0.125;  ///< likewise the leading sole
   double time_weight = 0.3;    ///< 0..1: weight of load_transfer, against the lever, in the vertical share

@@ -1,46 +1,47 @@
-/// Double support by the least torque, or the least torque and reactions, whatever the ground would have to do.
-#pragma once
-
-#include "stance/reactions.h"
-#include "stance/refusal.h"
-
-namespace torqued
-{
-
-/// The least torques and ground reactions, taken as one vector:
+/// Double support by the least torque, whatever the ground would have to do: procedures 1 and 2 of [Al-Shuka 2014], in
+/// which two legs carry the trunk.
 ///
-///   [τ; λ] = [A Jᵀ]^# (M q̈ + C q̇ + g + A τ_f)                                                               (27)
+/// The trailing leg carries f_T1 of the trunk's net wrench f*, the leading leg f_T2:
 ///
-/// that is, the least τᵀ W τ + λᵀ V λ, W and V unit matrices in the paper. λ is the wrench of the foot that is not
-/// fixed, J its rows: the fixed foot is the one on its sole, and of two soles the trailing one. Where neither is on its
-/// sole, λ is the reaction of both.
+///   f_T1 + f_T2 = f*,   f_T1 = σ f* + η,   f_T2 = (1 − σ) f* − η                                        (61), (62)
 ///
-/// Its measure adds N m to N: it is not the least torque, depends on the units and on which foot is fixed, and
-/// respects no condition of a contact. Source: [Al-Shuka 2014, (27)]; weights added.
-struct PseudoInverse
-{
-  JointWeights weights;                                       ///< W, 1/(N m)²
-  Eigen::Vector3d reaction_weights = Eigen::Vector3d::Ones(); ///< of f_x, f_z (1/N²) and moment (1/(N m)²); positive
-};
-
-/// Refuses: numerical, where neither torques nor weighted reactions tell the reactions apart, as with weights of next
-/// to nothing.
-Result<Reactions> pseudo_inverse(const Robot& robot, const SupportEquations& equations, const Support& support,
-                                 const AdmissibleReactions& all, const PseudoInverse& settings);
-
-/// Procedures 1 and 2: the least ½ τᵀ W τ, (65), that the equations allow; no condition of a contact or a motor is
-/// respected.
+/// η: the internal wrench. All are (f_x, f_z, moment about the origin of the trunk's frame), world frame, N and N m; f*
+/// is the rate of momentum of the trunk and of what hangs on it, weight included. What stands on the ground under a leg
+/// follows from what it carries, as the leg's own rate of momentum is known:
+///
+///   ground wrench of a foot = f_T + n,   n: rate of momentum of its leg, weight included
+///
+/// so torques and the moments about heels or toes, which must vanish, are affine in η:
+///
+///   τ = B1 η + b1(σ),   a1ᵀ η + a2(σ) = 0: one row for each heel or toe                                  (63), (64)
+///
+/// Both procedures seek the least ½ τᵀ W τ, (65); no condition of a contact or a motor is respected.
 ///
 ///   η = −P B1ᵀ W b1 − P a1 θ,   θ = (a1ᵀ P a1)⁻¹ (a2 − a1ᵀ P B1ᵀ W b1),   P = (B1ᵀ W B1)⁻¹               (67), (68)
 ///
 /// The internal wrenches η that keep the moments about heels and toes at 0 are in one-to-one relation with y of the
-/// admissible reactions, so that the least is sought there, without P, which need not exist. carried_trunk() has η.
-/// Procedure 2, (70), is σ = 0: f_T1 itself is sought. σ shows in η, not in torques or reactions: η + σ f* is the same
-/// for all. In the paper's (70) b1 and a2 keep a shift by σ f*.
+/// admissible reactions, so that the least is sought there, without P, which need not exist. Procedure 2, (70), is
+/// σ = 0: f_T1 itself is sought. σ shows in η, not in torques or reactions: η + σ f* is the same for all, so that both
+/// procedures give the same. In the paper's (70) b1 and a2 keep a shift by σ f*.
+#pragma once
+
+#include "methods/method.h"
+
+namespace torqued
+{
+
+/// Procedure 1.
 struct InternalWrench
 {
-  double sigma = 0.5; ///< the trailing leg's share of f* before η, of carried_trunk(); no torque or reaction has it
-  JointWeights weights;
+  static constexpr Method kMethod = Method::internal_wrench;
+  JointWeights weights; ///< W
+};
+
+/// Procedure 2.
+struct TorsoWrench
+{
+  static constexpr Method kMethod = Method::torso_wrench;
+  JointWeights weights; ///< W
 };
 
 /// weights: W. Refuses: numerical where an internal wrench needs no torque (both legs straight, parallel, and feet at

@@ -5,29 +5,6 @@
 namespace torqued
 {
 
-namespace
-{
-
-// A point of a foot, as high as its contact: on the ground where a heel or toe alone touches it.
-Eigen::Vector2d on_ground(const FootPose& foot, Contact contact, const Eigen::Vector2d& point)
-{
-  return {point.x(), contact == Contact::sole ? point.y() : foot.point(contact).y()};
-}
-
-// the leading foot takes s of the total force, and each sole's pressure may be anywhere in it
-LoadSharing in_proportion(const SupportEquations& equations, const Support& support, double s)
-{
-  const FootPose& leading = equations.foot(support.leading);
-  const FootPose& trailing = equations.foot(support.trailing());
-  return {.leading_force = s * equations.force(),
-          .s = s,
-          .leading = {leading.heel, leading.toe},
-          .trailing = {trailing.heel, trailing.toe},
-          .trailing_takes_rest = false};
-}
-
-} // namespace
-
 Result<Reactions> linear_transition(const Robot& robot, const SupportEquations& equations, const Support& support,
                                     const LinearTransition& settings)
 {
@@ -42,38 +19,18 @@ Result<Reactions> linear_transition(const Robot& robot, const SupportEquations& 
   return share_load(robot, equations, support, sharing);
 }
 
-Result<Reactions> zmp_transition(const Robot& robot, const SupportEquations& equations, const Support& support)
+static void list(LinearTransition& settings, SettingList& with)
 {
-  const bool leading_sole = support.of(support.leading) == Contact::sole;
-  const bool trailing_sole = support.of(support.trailing()) == Contact::sole;
-  const FootPose& leading = equations.foot(support.leading);
-  const FootPose& trailing = equations.foot(support.trailing());
-  const double p = support.progress();
-  const double nothing = kNoLoad * robot.weight() * robot.leg_length;
-  const Eigen::Vector2d F = equations.force();
-  // the share of F that, at one point, balances the moments about another
-  const auto balancing = [&](const Eigen::Vector2d& at, const Eigen::Vector2d& about)
-  {
-    return share_of(equations.moment_about_origin() - cross(about, F), cross(Eigen::Vector2d(at - about), F), nothing);
-  };
+  const Range sole{0.0, 1.0, "\"zmp\", or 0 (heel) to 1 (toe)"};
+  with.number_or("cop", settings.leading_cop, "zmp", sole,
+                 "both feet on their soles: 'zmp', or the leading foot's pressure point from 0 (heel) to 1 (toe)");
+}
 
-  const Contact leading_contact = support.of(support.leading), trailing_contact = support.of(support.trailing());
-  Share share{p, false};
-  if (leading_sole != trailing_sole)
-  {
-    share = balancing(on_ground(leading, leading_contact, leading.heel),
-                      on_ground(trailing, trailing_contact, trailing.toe)); // s*
-    share.s = trailing_sole ? p * share.s : share.s + p * (1.0 - share.s);
-  }
-  else if (!leading_sole)
-  {
-    share = balancing(leading.point(leading_contact), trailing.point(trailing_contact));
-  }
-
-  Result<Reactions> result = share_load(robot, equations, support, in_proportion(equations, support, share.s));
-  if (Reactions* reactions = std::get_if<Reactions>(&result))
-    reactions->clamped = share.clamped;
-  return result;
+MethodRow linear_transition_row()
+{
+  return method_row<LinearTransition>(
+      "linear-transition", [](const DoubleSupport& now)
+      { return linear_transition(now.robot, now.equations, now.support, now.settings.of<LinearTransition>()); });
 }
 
 } // namespace torqued

@@ -96,6 +96,17 @@ Result<Reactions> share_load(const Robot& robot, const SupportEquations& equatio
   return Result<Reactions>(std::in_place_type<Reactions>, w);
 }
 
+LoadSharing in_proportion(const SupportEquations& equations, const Support& support, double s)
+{
+  const FootPose& leading = equations.foot(support.leading);
+  const FootPose& trailing = equations.foot(support.trailing());
+  return {.leading_force = s * equations.force(),
+          .s = s,
+          .leading = {leading.heel, leading.toe},
+          .trailing = {trailing.heel, trailing.toe},
+          .trailing_takes_rest = false};
+}
+
 Share share_of(double part, double whole, double nothing)
 {
   if (std::abs(whole) < nothing)

@@ -34,6 +34,9 @@ struct LoadSharing
 Result<Reactions> share_load(const Robot& robot, const SupportEquations& equations, const Support& support,
                              const LoadSharing& sharing);
 
+/// The leading foot takes s of the total force, and each sole's pressure may be anywhere in it.
+LoadSharing in_proportion(const SupportEquations& equations, const Support& support, double s);
+
 /// A part of a whole, from 0 to 1.
 struct Share
 {

@@ -3,8 +3,11 @@
 
 #include "stance/support_equations.h"
 
+#include <array>
 #include <cmath>
 #include <cstdint>
+#include <string_view>
+#include <utility>
 
 namespace torqued
 {
@@ -26,6 +29,22 @@ inline constexpr std::int32_t adjusted = 1024;
 inline constexpr std::int32_t contact_acceleration = 2048;
 inline constexpr std::int32_t prior = 4096;
 } // namespace flag
+
+/// Their names, as torque_command_t spells them.
+inline constexpr std::array<std::pair<std::int32_t, std::string_view>, 13> kFlagNames{
+    {{flag::slips, "SLIPS"},
+     {flag::lifts, "LIFTS"},
+     {flag::tips, "TIPS"},
+     {flag::over_torque, "OVER_TORQUE"},
+     {flag::clamped, "CLAMPED"},
+     {flag::relaxed, "RELAXED"},
+     {flag::inconsistent, "INCONSISTENT"},
+     {flag::late, "LATE"},
+     {flag::over_rate, "OVER_RATE"},
+     {flag::projected, "PROJECTED"},
+     {flag::adjusted, "ADJUSTED"},
+     {flag::contact_acceleration, "CONTACT_ACCELERATION"},
+     {flag::prior, "PRIOR"}}};
 
 /// What the ground does to a foot; ground on robot, world frame.
 struct GroundReaction

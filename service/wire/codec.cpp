@@ -1,6 +1,6 @@
 #include "wire/codec.h"
 
-#include "methods/torque_method.h"
+#include "methods/method.h"
 #include "wire/fields.h"
 
 #include <array>
@@ -110,7 +110,7 @@ Result<DesiredState> decode_desired_state(Bytes message, const Robot& robot)
     return *refusal;
   desired.method = static_cast<Method>(method);
   if (method != 0 && name_of(desired.method) == name_of(Method::none))
-    return Refusal(Reason::unknown_method, "method is {}; expected {}", method, kMethodChoices);
+    return Refusal(Reason::unknown_method, "method is {}; expected {}", method, kMethodNumbers);
 
   desired.base_given = base == desired_state_t::GIVEN;
   desired.support.contact = {static_cast<Contact>(left_contact), static_cast<Contact>(right_contact)};
@@ -124,37 +124,6 @@ Result<DesiredState> decode_desired_state(Bytes message, const Robot& robot)
   desired.v.tail<2>() << base_motion[2], base_motion[3];
   desired.a.tail<2>() << base_motion[4], base_motion[5];
   return desired;
-}
-
-void fill(torque_command_t& command, const Answer& answer, std::int64_t model_id, std::int64_t settings_id)
-{
-  command.utime = answer.utime;
-  command.stream_id = answer.stream_id;
-  command.model_id = model_id;
-  command.settings_id = settings_id;
-  command.method = static_cast<std::int8_t>(answer.method);
-  command.flags = answer.flags;
-  const auto ground = [](const GroundReaction& from, ground_reaction_t& to)
-  {
-    to.fx = from.wrench.fx;
-    to.fz = from.wrench.fz;
-    to.moment = from.wrench.moment;
-    to.cop = from.cop;
-    to.friction_ratio = from.friction_ratio;
-  };
-  ground(answer.ground[0], command.left);
-  ground(answer.ground[1], command.right);
-  command.zmp = answer.zmp;
-  command.dynamics_residual = answer.dynamics_residual;
-  command.contact_speed = answer.contact_speed;
-  command.contact_residual = answer.contact_residual;
-  command.base_a[0] = answer.base_a.x();
-  command.base_a[1] = answer.base_a.y();
-  command.adjustment = answer.adjustment;
-  command.num_coordinates = static_cast<std::int32_t>(answer.a.size());
-  command.num_joints = static_cast<std::int32_t>(answer.torque.size());
-  command.a.assign(answer.a.begin(), answer.a.end());
-  command.torque.assign(answer.torque.begin(), answer.torque.end());
 }
 
 void fill(rejection_t& rejection, const Sender& sender, const Refusal& refusal)

@@ -1,5 +1,6 @@
 #include "bench/computations.h"
-#include "methods/torque_method.h"
+#include "methods/constrained.h"
+#include "methods/torque_solution.h"
 
 #include "bench/full_form.h"
 #include "bench/peers.h"
@@ -368,7 +369,7 @@ void register_all(double seconds)
     const Walk* const walk = &subject->walk;
     add(subject->name, "sines and cosines", [walk](benchmark::State& state) { sines_and_cosines(state, *walk); });
     add(subject->name, "single support", [walk](benchmark::State& state) { answers(state, *walk, Method::none); });
-    for (const NamedMethod& known : kMethods)
+    for (const MethodRow& known : methods())
       add(subject->name, known.name,
           [walk, method = known.method](benchmark::State& state) { answers(state, *walk, method); });
     add(subject->name, "M, C, g, B, J", [walk](benchmark::State& state) { matrices(state, *walk); });
@@ -400,7 +401,7 @@ void promise_all(const std::string& robot, const std::string& mujoco, Rounds& ro
 {
   rounds.promise({robot, "single support", mujoco, 1.0 / 12.0});
   rounds.promise({robot, "single support", "sines and cosines", 2.5});
-  for (const NamedMethod& known : kMethods)
+  for (const MethodRow& known : methods())
     if (known.method != Method::constrained)
       rounds.promise({robot, std::string(known.name), "single support", 2.0});
   rounds.promise({robot + ", call by call", "constrained p50", "single support p50", 4.0});

@@ -2,8 +2,7 @@
 /// nothing of how it is made.
 #pragma once
 
-#include "methods/torque_method.h"
-
+#include "methods/constrained.h"
 #include <Eigen/Core>
 
 namespace torqued::bench

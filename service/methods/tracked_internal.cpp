@@ -1,6 +1,11 @@
-#include "methods/trunk_wrench.h"
-
-#include <algorithm>
+/// Procedure 4 of [Al-Shuka 2014], of two legs that carry the trunk (least_torque.h): of all η and σ that give the feet
+/// the reactions of procedure 3 (tracked_reaction.cpp), the least,
+///
+///   [η; σ̄] = [B2 b2]^# (y − b3),   b2 = B2 f*,   σ = clamp(σ̄, 0, 1),   η = B2⁻¹ (y − b3 − b2 σ)       (72) to (74)
+///
+/// In the paper η stays what it was before the clamp, and then (71) does not hold. So the reactions are those of
+/// procedure 3, and what this one adds is whether σ̄ was clamped.
+#include "methods/linear_transition.h"
 
 namespace torqued
 {
@@ -65,7 +70,7 @@ Legs legs_of(const Robot& robot, const SupportEquations& equations)
   return legs;
 }
 
-// what the leg of a foot carries: the foot's wrench about the trunk's origin, less n
+// f_T of the leg of a foot: the foot's wrench about the trunk's origin, less n
 Eigen::Vector3d carried_by(const SupportEquations& equations, const Support& support, const Legs& legs, Side side,
                            const WrenchVector& w)
 {
@@ -75,49 +80,26 @@ Eigen::Vector3d carried_by(const SupportEquations& equations, const Support& sup
   return about(legs.origin - equations.foot(side).point(contact), of_foot) - legs.leg(side);
 }
 
+Result<Reactions> tracked_internal(const DoubleSupport& now)
+{
+  Result<Reactions> result =
+      linear_transition(now.robot, now.equations, now.support, now.settings.of<LinearTransition>());
+  if (Reactions* reactions = std::get_if<Reactions>(&result))
+  {
+    // B2 cancels: η + σ f* = f_T1 with the least |η|² + σ²
+    const Legs legs = legs_of(now.robot, now.equations);
+    const Eigen::Vector3d f_T1 = carried_by(now.equations, now.support, legs, now.support.trailing(), reactions->w);
+    const double sigma = legs.trunk.dot(f_T1) / (1.0 + legs.trunk.squaredNorm());
+    reactions->clamped = sigma < 0.0 || sigma > 1.0;
+  }
+  return result;
+}
+
 } // namespace
 
-CarriedTrunk carried_trunk(const Robot& robot, const SupportEquations& equations, const Support& support,
-                           const Reactions& chosen, double sigma)
+MethodRow tracked_internal_row()
 {
-  const Legs legs = legs_of(robot, equations);
-  const Eigen::Vector3d f_T1 = carried_by(equations, support, legs, support.trailing(), chosen.w);
-  return {legs.trunk, f_T1 - sigma * legs.trunk, sigma, chosen};
-}
-
-WrenchVector reactions_below(const Robot& robot, const SupportEquations& equations, const Support& support,
-                             const Eigen::Vector3d& f_T1)
-{
-  const Legs legs = legs_of(robot, equations);
-  WrenchVector w(support.wrench_components());
-  for (const Side side : kSides)
-  {
-    const Contact contact = support.of(side);
-    const Eigen::Vector3d carried = side == support.leading ? Eigen::Vector3d(legs.trunk - f_T1) : f_T1;
-    const Eigen::Vector2d r = equations.foot(side).point(contact) - legs.origin;
-    const int components = wrench_components(contact);
-    w.segment(support.row(side), components) = about(r, carried + legs.leg(side)).head(components);
-  }
-  return w;
-}
-
-Result<CarriedTrunk> tracked_internal(const Robot& robot, const SupportEquations& equations, const Support& support,
-                                      const LinearTransition& settings)
-{
-  const Result<Reactions> shared = linear_transition(robot, equations, support, settings);
-  if (const Refusal* refusal = std::get_if<Refusal>(&shared))
-    return *refusal;
-  const Reactions& reactions = std::get<Reactions>(shared);
-  const Legs legs = legs_of(robot, equations);
-  const Eigen::Vector3d x = carried_by(equations, support, legs, support.trailing(), reactions.w);
-
-  // B2 cancels: η + σ f* = x with the least |η|² + σ²
-  const Eigen::Vector3d& f = legs.trunk;
-  const double unclamped = f.dot(x) / (1.0 + f.squaredNorm());
-  const double sigma = std::clamp(unclamped, 0.0, 1.0);
-  CarriedTrunk carried{f, x - sigma * f, sigma, reactions};
-  carried.reactions.clamped = sigma != unclamped;
-  return carried;
+  return {Method::tracked_internal, "tracked-internal", tracked_internal};
 }
 
 } // namespace torqued

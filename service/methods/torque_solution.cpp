@@ -1,4 +1,4 @@
-#include "methods/torque_method.h"
+#include "methods/torque_solution.h"
 
 #include <cmath>
 
@@ -52,63 +52,14 @@ std::optional<Refusal> check_admissible(const Robot& robot, const Support& suppo
                  name_of(side), name_of(support.of(side)), unmet(2), moment);
 }
 
-Result<Reactions> reactions_of(Result<CarriedTrunk> carried)
-{
-  if (const Refusal* refusal = std::get_if<Refusal>(&carried))
-    return *refusal;
-  return std::get<CarriedTrunk>(carried).reactions;
-}
-
-Result<Reactions> choose(const Robot& robot, const SupportEquations& equations, const Support& support,
-                         const AdmissibleReactions& all, Method method, const MethodSettings& settings)
-{
-  switch (method)
-  {
-  case Method::pseudo_inverse: return pseudo_inverse(robot, equations, support, all, settings.pseudo_inverse);
-  case Method::tracked_reaction: // has the same reactions, trunk_wrench.h
-  case Method::linear_transition: return linear_transition(robot, equations, support, settings.linear_transition);
-  case Method::internal_wrench: return least_torque(robot, equations, support, all, settings.internal_wrench.weights);
-  case Method::torso_wrench: return least_torque(robot, equations, support, all, settings.torso_wrench.weights);
-  case Method::tracked_internal:
-    return reactions_of(tracked_internal(robot, equations, support, settings.linear_transition));
-  case Method::constrained: return constrained(robot, equations, support, all, settings.constrained, settings.relax);
-  case Method::zmp_transition: return zmp_transition(robot, equations, support);
-  case Method::human_transition: return human_transition(robot, equations, support, settings.human_transition);
-  case Method::none: break;
-  }
-  return Reactions(all.w0()); // not reached: solve_torques() has nothing to choose then
-}
-
 } // namespace
 
 TorqueSolution::TorqueSolution(const Robot& robot, const SupportEquations& equations, const Support& support,
                                Method used, const WrenchVector& reactions, bool was_clamped, bool was_relaxed)
     : method(used), clamped(was_clamped), relaxed(was_relaxed), ground(about_ankles(equations, support, reactions)),
-      from_ground(supported(robot, equations, support, ground)),
-      torque(joint_torques(robot, left_for_motors(equations)))
+      from_ground(supported(robot, equations, support, ground)), torque(joint_torques(robot, motor_forces(equations)))
 {
   copy_whole(reactions, w);
-}
-
-std::string_view name_of(Method method)
-{
-  for (const NamedMethod& known : kMethods)
-    if (known.method == method)
-      return known.name;
-  return "none";
-}
-
-std::optional<std::string> complaint(const MethodSettings& settings, int num_joints)
-{
-  const std::array<std::pair<std::string_view, const JointWeights*>, 4> all{
-      {{"pseudo_inverse", &settings.pseudo_inverse.weights},
-       {"internal_wrench", &settings.internal_wrench.weights},
-       {"torso_wrench", &settings.torso_wrench.weights},
-       {"constrained", &settings.constrained.weights}}};
-  for (const auto& [table, weights] : all)
-    if (weights->size() > 0 && weights->rows() != num_joints)
-      return fmt::format("{}: weights: found {} of them; this robot has {} motors", table, weights->rows(), num_joints);
-  return {};
 }
 
 Result<TorqueSolution> solve_torques(const Robot& robot, const SupportEquations& equations, const Support& support,
@@ -122,7 +73,8 @@ Result<TorqueSolution> solve_torques(const Robot& robot, const SupportEquations&
   const Method used = all.redundancy == 0 ? Method::none : asked;
   if (used == Method::none) // nothing to choose; a copy of what there is would be felt, in single support
     return Result<TorqueSolution>(std::in_place_type<TorqueSolution>, robot, equations, support, used, all.w0());
-  const Result<Reactions> chosen = choose(robot, equations, support, all, used, settings);
+  const MethodRow& row = methods()[static_cast<std::size_t>(used) - 1];
+  const Result<Reactions> chosen = row.choose({robot, equations, support, all, settings});
   if (const Refusal* refusal = std::get_if<Refusal>(&chosen))
     return *refusal;
   const Reactions& reactions = std::get<Reactions>(chosen);

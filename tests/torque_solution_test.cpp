@@ -1,12 +1,12 @@
 #include "catch.h"
 #include "decompositions.h"
 #include "matchers.h"
-#include "methods/torque_method.h"
+#include "methods/torque_solution.h"
 #include "states.h"
 
 #include "stance/checks.h"
 
-namespace torque_method_test
+namespace torque_solution_test
 {
 
 using namespace torqued;
@@ -76,7 +76,7 @@ oracle::Motion balanced_on_point(const oracle::Biped& ck, oracle::Motion motion,
 
 } // namespace
 
-TEST_CASE("single support on a sole gives the torques and the wrench of the closed form", "[torque_method]")
+TEST_CASE("single support on a sole gives the torques and the wrench of the closed form", "[torque_solution]")
 {
   oracle::Random random(11);
   for (int i = 0; i < 1000; ++i)
@@ -99,7 +99,7 @@ TEST_CASE("single support on a sole gives the torques and the wrench of the clos
 }
 
 TEST_CASE("single support on a heel or toe is answered when the motion balances, and refused when it does not",
-          "[torque_method]")
+          "[torque_solution]")
 {
   oracle::Random random(12);
   for (int i = 0; i < 400; ++i)
@@ -128,7 +128,7 @@ TEST_CASE("single support on a heel or toe is answered when the motion balances,
 }
 
 TEST_CASE("an answered imbalance within tolerance is left in the residual, not smeared over the torques",
-          "[torque_method]")
+          "[torque_solution]")
 {
   oracle::Random random(13);
   const oracle::Biped ck;
@@ -150,7 +150,7 @@ TEST_CASE("an answered imbalance within tolerance is left in the residual, not s
   CHECK(mismatch(found.torque.tail<3>(), balanced.torque.tail<3>(), 1e-10) == "");
 }
 
-TEST_CASE("flight is answered when ballistic, and refused when not", "[torque_method]")
+TEST_CASE("flight is answered when ballistic, and refused when not", "[torque_solution]")
 {
   oracle::Random random(14);
   const oracle::Biped ck = oracle::random_ck(random);
@@ -183,7 +183,7 @@ TEST_CASE("flight is answered when ballistic, and refused when not", "[torque_me
   }
 }
 
-TEST_CASE("the torques' power is the rate of change of the robot's energy while its contacts rest", "[torque_method]")
+TEST_CASE("the torques' power is the rate of change of the robot's energy while its contacts rest", "[torque_solution]")
 {
   oracle::Random random(15);
   const std::pair<Contact, Contact> pairs[] = {{Contact::sole, Contact::none}, {Contact::none, Contact::sole},
@@ -208,7 +208,7 @@ TEST_CASE("the torques' power is the rate of change of the robot's energy while 
 }
 
 TEST_CASE("the base that rests on its contact gives the same torques as the same motion with its base given",
-          "[torque_method]")
+          "[torque_solution]")
 {
   oracle::Random random(17);
   const std::pair<Contact, Contact> pairs[] = {{Contact::sole, Contact::none}, {Contact::none, Contact::sole},
@@ -248,7 +248,7 @@ TEST_CASE("the base that rests on its contact gives the same torques as the same
   }
 }
 
-TEST_CASE("what a robot or a base cannot do is refused", "[torque_method]")
+TEST_CASE("what a robot or a base cannot do is refused", "[torque_solution]")
 {
   oracle::Random random(18);
   const oracle::Biped ck;
@@ -268,7 +268,7 @@ TEST_CASE("what a robot or a base cannot do is refused", "[torque_method]")
   CHECK(std::get<Refusal>(no_sole).reason() == Reason::not_supported);
 }
 
-TEST_CASE("redundancy follows from the contacts alone", "[torque_method]")
+TEST_CASE("redundancy follows from the contacts alone", "[torque_solution]")
 {
   const auto redundancy = [](Contact left, Contact right)
   {
@@ -290,7 +290,7 @@ TEST_CASE("redundancy follows from the contacts alone", "[torque_method]")
   }
 }
 
-TEST_CASE("the mirrored motion needs the mirrored torques and ground reactions", "[torque_method]")
+TEST_CASE("the mirrored motion needs the mirrored torques and ground reactions", "[torque_solution]")
 {
   // the sagittal plane does not know left from right: swapping the legs' data permutes torques without a sign
   oracle::Random random(19);
@@ -320,7 +320,7 @@ TEST_CASE("the mirrored motion needs the mirrored torques and ground reactions",
       }
 }
 
-TEST_CASE("each foot's speed, acceleration and tilt against the ground is seen", "[torque_method]")
+TEST_CASE("each foot's speed, acceleration and tilt against the ground is seen", "[torque_solution]")
 {
   const oracle::Biped ck;
   const Robot robot = ck.robot();
@@ -353,7 +353,7 @@ TEST_CASE("each foot's speed, acceleration and tilt against the ground is seen",
   }
 }
 
-TEST_CASE("a tilted sole that places the base rests on the ground below its ankle", "[torque_method]")
+TEST_CASE("a tilted sole that places the base rests on the ground below its ankle", "[torque_solution]")
 {
   const oracle::Biped ck;
   const Robot robot = ck.robot();
@@ -371,7 +371,7 @@ TEST_CASE("a tilted sole that places the base rests on the ground below its ankl
   }
 }
 
-TEST_CASE("under-actuated motions are answered up to the tolerance and refused beyond it", "[torque_method]")
+TEST_CASE("under-actuated motions are answered up to the tolerance and refused beyond it", "[torque_solution]")
 {
   // tolerances: 1e-3 × weight for forces, 1e-3 × weight × leg length for moments
   const oracle::Biped ck;
@@ -431,7 +431,7 @@ TEST_CASE("under-actuated motions are answered up to the tolerance and refused b
   CHECK_FALSE(on_toe(1.02 * moment / centred.I3));
 }
 
-TEST_CASE("a foot and an actuator on a link fixed at an angle are those of the link they ride on", "[torque_method]")
+TEST_CASE("a foot and an actuator on a link fixed at an angle are those of the link they ride on", "[torque_solution]")
 {
   // ck whose left sole is a plate that rides on the foot link, turned by 0.4 rad
   oracle::Random random(28);
@@ -471,7 +471,7 @@ TEST_CASE("a foot and an actuator on a link fixed at an angle are those of the l
 
 TEST_CASE(
     "by a rule that looks at the ground alone motors give what rotors and friction take on top, and it feels none",
-    "[torque_method]")
+    "[torque_solution]")
 {
   oracle::Random random(77);
   for (const char* name : {"ck", "rk", "six-link"})
@@ -510,4 +510,4 @@ TEST_CASE(
   }
 }
 
-} // namespace torque_method_test
+} // namespace torque_solution_test

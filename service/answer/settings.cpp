@@ -1,0 +1,129 @@
+#include "answer/settings.h"
+
+#include "robot/fnv.h"
+
+#include <array>
+#include <fmt/format.h>
+
+namespace torqued
+{
+
+namespace
+{
+
+constexpr std::array<std::string_view, 3> kOnExcess{"flag", "refuse", "clamp"};
+constexpr std::array<std::string_view, 2> kInfeasible{"relax", "refuse"};
+
+// Hashes each setting behind its key.
+class Hash : public SettingList
+{
+public:
+  void boolean(std::string_view key, bool& value, std::string_view) override { add(key, value ? 1.0 : 0.0); }
+  void number(std::string_view key, double& value, const Range&, std::string_view) override { add(key, value); }
+  void number_or(std::string_view key, std::optional<double>& value, std::string_view word, const Range&,
+                 std::string_view) override
+  {
+    if (value)
+      add(key, *value);
+    else
+      hash_.add(word);
+  }
+  void three(std::string_view key, Eigen::Vector3d& value, std::string_view, std::string_view) override
+  {
+    for (const double number : value)
+      add(key, number);
+  }
+  void weights(std::string_view key, JointWeights& value, std::string_view) override
+  {
+    for (const double number : value.reshaped())
+      add(key, number);
+  }
+  void word(std::string_view key, int& value, std::span<const std::string_view>, std::string_view) override
+  {
+    add(key, value);
+  }
+  void table(std::string_view name) override { hash_.add(name); }
+
+  std::int64_t id() const { return hash_.id(); }
+
+private:
+  void add(std::string_view key, double number)
+  {
+    hash_.add(key);
+    hash_.add(number);
+  }
+
+  Fnv1a hash_;
+};
+
+// Looks at weights alone.
+class FitCheck : public SettingList
+{
+public:
+  explicit FitCheck(int num_joints) : num_joints_(num_joints) {}
+
+  void boolean(std::string_view, bool&, std::string_view) override {}
+  void number(std::string_view, double&, const Range&, std::string_view) override {}
+  void number_or(std::string_view, std::optional<double>&, std::string_view, const Range&, std::string_view) override {}
+  void three(std::string_view, Eigen::Vector3d&, std::string_view, std::string_view) override {}
+  void word(std::string_view, int&, std::span<const std::string_view>, std::string_view) override {}
+  void table(std::string_view name) override { table_ = name; }
+  void weights(std::string_view key, JointWeights& value, std::string_view) override
+  {
+    if (value.size() > 0 && value.rows() != num_joints_ && !complaint_)
+      complaint_ =
+          fmt::format("{}: {}: found {} of them; this robot has {} motors", table_, key, value.rows(), num_joints_);
+  }
+
+  const std::optional<std::string>& complaint() const { return complaint_; }
+
+private:
+  int num_joints_;
+  std::string table_;
+  std::optional<std::string> complaint_;
+};
+
+} // namespace
+
+void list(AnswerSettings& settings, SettingList& with)
+{
+  std::vector<std::string_view> names;
+  for (const MethodRow& row : methods())
+    names.push_back(row.name);
+  const std::span<const std::string_view> all(kOnExcess), flag_or_refuse = all.first(2);
+  int method = static_cast<int>(settings.methods.method) - 1;
+  with.word("method", method, names, "used when the desired state asks for none");
+  settings.methods.method = static_cast<Method>(method + 1);
+  with.word("consistency", settings.consistency, flag_or_refuse,
+            "a motion that contradicts its contacts: flag or refuse");
+  with.number("contact_speed_tolerance", settings.contact_speed_tolerance, not_negative(), "m/s, rad/s");
+  with.number("contact_tolerance", settings.contact_tolerance, not_negative(), "m/s^2, rad/s^2");
+  with.number("sole_tilt_tolerance", settings.sole_tilt_tolerance, not_negative(), "rad");
+  with.number("contact_height_tolerance", settings.contact_height_tolerance, not_negative(),
+              "m above or below the ground z = 0");
+  with.number("residual_tolerance", settings.residual_tolerance, not_negative(),
+              "under-actuated motion: share of the weight, or of weight x leg length");
+  with.word("limits", settings.limits, all, "torque limits: flag, refuse or clamp");
+  with.word("rate_limits", settings.rate_limits, all, "torque-rate limits: flag, refuse or clamp");
+  with.boolean("project", settings.project, "answer the nearest motion that keeps its contacts");
+  int infeasible = settings.methods.relax ? 0 : 1;
+  with.word("infeasible", infeasible, kInfeasible, "constrained: conditions that cannot be met: relax or refuse");
+  settings.methods.relax = infeasible == 0;
+  settings.methods.list(with);
+}
+
+std::int64_t settings_id(AnswerSettings settings)
+{
+  Hash hash;
+  list(settings, hash);
+  return hash.id();
+}
+
+std::optional<std::string> complaint(AnswerSettings settings, int num_joints)
+{
+  FitCheck check(num_joints);
+  list(settings, check);
+  return check.complaint();
+}
+
+} // namespace torqued

@@ -1,0 +1,45 @@
+/// The fields of an answer, each once, in the order of tables: what copies, checks or writes answers goes through them.
+#pragma once
+
+#include <torqued/torque_command_t.hpp>
+
+namespace torqued
+{
+
+/// The reaction under a foot.
+inline auto& left_of(torque_command_t& command)
+{
+  return command.left;
+}
+inline auto& left_of(const torque_command_t& command)
+{
+  return command.left;
+}
+inline auto& right_of(torque_command_t& command)
+{
+  return command.right;
+}
+inline auto& right_of(const torque_command_t& command)
+{
+  return command.right;
+}
+
+/// see(name, field...) for each field, with those of all commands at once: torque_command_t, or what has fields of the
+/// same names.
+template <typename See, typename... Commands> void for_each_field(See&& see, Commands&... command)
+{
+  see("torque", command.torque...);
+  see("left", left_of(command)...);
+  see("right", right_of(command)...);
+  see("zmp", command.zmp...);
+  see("flags", command.flags...);
+  see("dynamics_residual", command.dynamics_residual...);
+  see("contact_speed", command.contact_speed...);
+  see("contact_residual", command.contact_residual...);
+  see("a", command.a...);
+  see("base_a", command.base_a...);
+  see("adjustment", command.adjustment...);
+  see("method", command.method...);
+}
+
+} // namespace torqued
