@@ -541,7 +541,7 @@ TEST_CASE("a foot's least load is kept, as far as the window leaves it", "[const
     settings.of<Constrained>().f_min = 0.0;
     settings.of<Constrained>().windows = false;
     MethodSettings windows = settings;
-    windows.constrained.windows = true;
+    windows.of<Constrained>().windows = true;
     const Case without = [&]
     {
       Case copy = now;
