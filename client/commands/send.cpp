@@ -19,7 +19,6 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
-#include <random>
 #include <unistd.h>
 #include <vector>
 
@@ -42,11 +41,6 @@ struct SendOptions
   bool loop = false, json = false;
   Differentiation differentiation;
 };
-
-std::int64_t microseconds(Clock::time_point time)
-{
-  return std::chrono::duration_cast<std::chrono::microseconds>(time.time_since_epoch()).count();
-}
 
 // When each desired state is due, and when the next round of them begins; s since the first.
 struct Schedule
@@ -297,8 +291,7 @@ ExitCode send(const SendOptions& options)
   const Schedule schedule = make_schedule(trajectory, options);
 
   // from here on they are states of this sender, for this daemon
-  std::random_device device;
-  const auto stream_id = std::uniform_int_distribution<std::int64_t>(1)(device);
+  const std::int64_t stream_id = random_id();
   for (desired_state_t& state : trajectory.states)
   {
     state.stream_id = stream_id;

@@ -6,7 +6,6 @@
 #include <cmath>
 #include <cstring>
 #include <poll.h>
-#include <random>
 #include <spdlog/logger.h>
 #include <time.h>
 
@@ -51,12 +50,6 @@ std::int64_t nanoseconds(clockid_t clock)
 std::int64_t monotonic_us()
 {
   return nanoseconds(CLOCK_MONOTONIC) / 1000;
-}
-
-std::int64_t random_id()
-{
-  std::random_device device;
-  return std::uniform_int_distribution<std::int64_t>(1)(device);
 }
 
 std::int64_t max_age_us(const Config& config)

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <random>
 #include <set>
 #include <string>
 #include <utility>
@@ -74,6 +75,12 @@ std::string flaw_of(const model_info_t& model)
   look(flaw_of("a torque limit", model.torque_limits, is_limit));
   look(flaw_of("a rate limit", model.rate_limits, is_limit));
   return flaw;
+}
+
+std::int64_t random_id()
+{
+  std::random_device device;
+  return std::uniform_int_distribution<std::int64_t>(1)(device);
 }
 
 bool is_desired_state(Bytes bytes)

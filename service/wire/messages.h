@@ -4,6 +4,7 @@
 /// allocate gigabytes or read past its end. Everything here checks fingerprint, counts and exact size first.
 #pragma once
 
+#include <chrono>
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -60,6 +61,15 @@ bool is_desired_state(Bytes bytes);
 /// What keeps a decoded model message from being a robot's, in words: "gravity is nan"; empty if nothing does. Looks at
 /// what clients go by: name, coordinates and joints, A and b, gravity, mass, limits.
 std::string flaw_of(const model_info_t& model);
+
+/// A time of the monotonic clock as utime says it, µs.
+inline std::int64_t microseconds(std::chrono::steady_clock::time_point time)
+{
+  return std::chrono::duration_cast<std::chrono::microseconds>(time.time_since_epoch()).count();
+}
+
+/// A stream_id or instance_id: random, 1 or more.
+std::int64_t random_id();
 
 /// A message as LCM hands it over. Of a packet that ends within its channel's name LCM 1.3.1 makes a message of nearly
 /// 2³² bytes; no message is that long, and there is nothing to be read: no bytes.

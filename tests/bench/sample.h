@@ -15,11 +15,6 @@ using Clock = std::chrono::steady_clock; // of Linux: CLOCK_MONOTONIC
 
 inline constexpr const char* kRobot = "human-subject01";
 
-inline std::int64_t microseconds(Clock::time_point time)
-{
-  return std::chrono::duration_cast<std::chrono::microseconds>(time.time_since_epoch()).count();
-}
-
 /// Where every message of ours has its fingerprint, and those that are sent and answered their utime.
 inline constexpr std::size_t kFingerprint = 0, kUtime = 8;
 
