@@ -5,10 +5,7 @@
 #include "text/printable.h"
 #include "wire/bus_url.h"
 
-#include <algorithm>
 #include <fmt/format.h>
-#include <poll.h>
-#include <time.h>
 #include <utility>
 
 namespace torqued
@@ -16,6 +13,8 @@ namespace torqued
 
 namespace
 {
+
+constexpr const char* kGivenBy = "--lcm-url";
 
 volatile sig_atomic_t stop_signal = 0;
 
@@ -44,84 +43,20 @@ sigset_t hold_back_stop_signals()
   return mask_before;
 }
 
-// What to say when the bus does not work. A log may be listened to.
-std::string judge(const std::string& url)
+// A log may be listened to.
+const std::string& require_heard_bus(const std::string& url)
 {
-  const ChosenBus bus = choose_bus(url, "--lcm-url");
+  const ChosenBus bus = choose_bus(url, kGivenBy);
   const bool is_log = fault_of(bus).empty() && read_bus_url(bus.url).provider == BusUrl::Provider::file;
   if (const std::string fault = is_log ? "" : fault_between_processes(bus); !fault.empty())
-    throw Failure(ExitCode::no_bus, fmt::format("the LCM bus cannot be opened: {}", fault));
-  return bus_trouble(url, "--lcm-url");
+    throw BusError("the LCM bus cannot be opened: " + fault);
+  return url;
 }
 
 } // namespace
 
-Bus::Bus(const std::string& url) : mask_while_waiting_(hold_back_stop_signals()), trouble_(judge(url)), lcm_(url)
+Bus::Bus(const std::string& url) : mask_while_waiting_(hold_back_stop_signals()), lcm_(require_heard_bus(url), kGivenBy)
 {
-  if (!lcm_.good())
-    throw Failure(ExitCode::no_bus, fmt::format("the LCM bus cannot be opened: {}", trouble_));
-}
-
-void Bus::subscribe(const std::string& channel, Handler handler)
-{
-  subscribe(channel, Subscription{*this, [channel](const std::string& heard) { return heard == channel; },
-                                  [handler = std::move(handler)](const std::string&, Bytes message)
-                                  {
-                                    handler(message);
-                                  }});
-}
-
-void Bus::subscribe_ending(const std::string& ending, std::function<void(const std::string&, Bytes)> handler)
-{
-  subscribe(".*" + ending, Subscription{*this, [ending](const std::string& heard) { return heard.ends_with(ending); },
-                                        std::move(handler)});
-}
-
-// LCM takes channel names for regular expressions, so what it hears may be of another one
-void Bus::subscribe(const std::string& pattern, Subscription subscription)
-{
-  // LCM hears itself first; where it does not, its subscription must not be touched
-  if (lcm_.getFileno() < 0)
-    throw Failure(ExitCode::no_bus, fmt::format("the LCM bus does not carry messages, not even to this process itself: "
-                                                "{}",
-                                                trouble_));
-  constexpr int queue = 10'000;
-  Subscription& kept = subscriptions_.emplace_back(std::move(subscription));
-  lcm_.subscribeFunction(pattern, &Subscription::receive, &kept)->setQueueCapacity(queue);
-}
-
-void Bus::Subscription::receive(const lcm::ReceiveBuffer* buffer, const std::string& channel,
-                                Subscription* subscription) noexcept
-try
-{
-  if (subscription->is_meant(channel))
-    subscription->handler(channel, received_bytes(buffer->data, buffer->data_size));
-}
-catch (...)
-{
-  // nothing may leave a handler: LCM would abort the process at its next call
-  subscription->bus.thrown_ = std::current_exception();
-}
-
-void Bus::publish(const std::string& channel, Bytes message)
-{
-  if (lcm_.publish(channel, message.data(), static_cast<unsigned int>(message.size())) != 0)
-    throw Failure(ExitCode::no_bus, fmt::format("the LCM bus takes no message: {}", trouble_));
-}
-
-void Bus::wait(Clock::time_point deadline)
-{
-  const auto left = std::max(deadline - Clock::now(), Clock::duration::zero());
-  const auto seconds = std::chrono::duration_cast<std::chrono::seconds>(left);
-  const auto nanoseconds = std::chrono::duration_cast<std::chrono::nanoseconds>(left - seconds);
-  const timespec timeout{static_cast<time_t>(seconds.count()), static_cast<long>(nanoseconds.count())};
-  pollfd fd{lcm_.getFileno(), POLLIN, 0};
-  if (ppoll(&fd, 1, &timeout, &mask_while_waiting_) <= 0)
-    return;
-  if (lcm_.handle() != 0)
-    throw Failure(ExitCode::no_bus, fmt::format("the LCM bus cannot be read any more: {}", trouble_));
-  if (thrown_)
-    std::rethrow_exception(std::exchange(thrown_, nullptr));
 }
 
 bool Bus::stopped() const
@@ -163,7 +98,7 @@ bool Bus::wait_for_model(const Channels& channels)
         ExitCode::no_bus,
         fmt::format("no daemon has said on {} within {} s which robot it computes; is torqued running on this "
                     "bus and network, with the same --prefix? Here {}",
-                    channels.model, kModelPatience.count(), trouble_));
+                    channels.model, kModelPatience.count(), lcm_.trouble()));
   return !stopped();
 }
 

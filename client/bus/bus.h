@@ -1,17 +1,14 @@
-/// The LCM bus, as a client with one thread uses it: messages come in while it waits, and a signal ends the wait.
+/// The LCM bus of a program that SIGINT and SIGTERM end.
 #pragma once
 
-#include "wire/codec.h"
-
-#include <lcm/lcm-cpp.hpp>
+#include "wire/lcm_bus.h"
 
 #include <chrono>
-#include <exception>
 #include <functional>
-#include <list>
 #include <optional>
 #include <signal.h>
 #include <string>
+#include <utility>
 
 namespace torqued
 {
@@ -21,24 +18,21 @@ namespace torqued
 class Bus
 {
 public:
-  using Clock = std::chrono::steady_clock; ///< CLOCK_MONOTONIC
-  using Handler = std::function<void(Bytes)>;
+  using Clock = LcmBus::Clock;
 
-  /// url: empty for LCM's default. Throws Failure, no_bus.
+  /// url: empty for LCM's default. Throws BusError, also for a bus on which no other process is heard.
   explicit Bus(const std::string& url);
-  Bus(const Bus&) = delete;
-  Bus& operator=(const Bus&) = delete;
 
-  /// Calls a handler with the bytes of each message on a channel, during wait(). The bytes live until it returns; what
-  /// it throws comes out of wait().
-  void subscribe(const std::string& channel, Handler handler);
-  /// The same for all channels whose names end so: those of any prefix. The handler gets the channel's name, too.
-  void subscribe_ending(const std::string& ending, std::function<void(const std::string&, Bytes)> handler);
-  /// Throws Failure, no_bus.
-  void publish(const std::string& channel, Bytes message);
+  /// As LcmBus does.
+  void subscribe(const std::string& channel, LcmBus::Handler handler) { lcm_.subscribe(channel, std::move(handler)); }
+  void subscribe_ending(const std::string& ending, std::function<void(const std::string&, Bytes)> handler)
+  {
+    lcm_.subscribe_ending(ending, std::move(handler));
+  }
+  void publish(const std::string& channel, Bytes message) { lcm_.publish(channel, message); }
 
   /// Waits for one message and handles it; at the latest until the deadline, or until a signal.
-  void wait(Clock::time_point deadline);
+  void wait(Clock::time_point deadline) { lcm_.wait(deadline, &mask_while_waiting_); }
   /// Whether SIGINT or SIGTERM has come.
   bool stopped() const;
 
@@ -51,22 +45,10 @@ public:
   const model_info_t& model() const { return *model_; }
 
 private:
-  struct Subscription
-  {
-    Bus& bus;
-    std::function<bool(const std::string&)> is_meant;
-    std::function<void(const std::string&, Bytes)> handler;
-    static void receive(const lcm::ReceiveBuffer* buffer, const std::string& channel,
-                        Subscription* subscription) noexcept;
-  };
-  void subscribe(const std::string& pattern, Subscription subscription);
   void hear_model(const std::string& channel, Bytes bytes);
 
   sigset_t mask_while_waiting_;
-  std::string trouble_;
-  lcm::LCM lcm_;
-  std::list<Subscription> subscriptions_; // LCM keeps their addresses
-  std::exception_ptr thrown_;
+  LcmBus lcm_;
   std::optional<model_info_t> model_;
   bool flaw_told_ = false;
 };

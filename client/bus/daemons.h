@@ -65,7 +65,6 @@ private:
 std::string status_page(const std::vector<Daemon>& daemons);
 
 /// Hears what daemons say from now on. prefix: of the only ones to hear; nothing for all on the bus.
-/// Throws Failure, no_bus.
 void subscribe(Bus& bus, const std::optional<std::string>& prefix, DaemonsHeard& daemons);
 
 } // namespace torqued

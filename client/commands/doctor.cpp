@@ -66,9 +66,9 @@ ExitCode examine(const std::string& lcm_url, bool json)
     {
       facts.daemons = listen(lcm_url);
     }
-    catch (const Failure& failure)
+    catch (const BusError& error)
     {
-      facts.lcm_trouble = failure.what();
+      facts.lcm_trouble = error.what();
     }
   const std::vector<Finding> findings = diagnose(facts);
 

@@ -25,7 +25,7 @@ struct Differentiation;
 struct Subcommand
 {
   CLI::App* app;
-  std::function<ExitCode()> run; ///< throws Failure; FileError for a robot or a configuration
+  std::function<ExitCode()> run; ///< throws Failure; FileError for a robot or a configuration; BusError
 };
 
 /// All subcommands, in the order in which --help lists them.

@@ -5,6 +5,7 @@
 #include "motion/files.h"
 #include "robot/files/strict_toml.h"
 #include "text/printable.h"
+#include "wire/lcm_bus.h"
 
 #include <CLI/CLI.hpp>
 
@@ -83,6 +84,10 @@ try
 catch (const Failure& failure)
 {
   return complain(failure.code(), failure.what());
+}
+catch (const BusError& error)
+{
+  return complain(ExitCode::no_bus, error.what());
 }
 catch (const FileError& error)
 {

@@ -1,17 +1,13 @@
 #include "library/torque_client.h"
 
 #include "text/printable.h"
-#include "wire/bus_url.h"
-#include "wire/messages.h"
+#include "wire/lcm_bus.h"
 
 #include <algorithm>
 #include <cmath>
 #include <initializer_list>
 #include <iterator>
-#include <poll.h>
-#include <random>
 #include <stdexcept>
-#include <time.h>
 #include <utility>
 
 namespace torqued
@@ -19,15 +15,6 @@ namespace torqued
 
 namespace
 {
-
-// messages that LCM keeps: more than its thirty, so that a client that was busy for a while loses nothing
-constexpr int kQueue = 10'000;
-
-std::int64_t random_id()
-{
-  std::random_device random;
-  return static_cast<std::int64_t>(std::uint64_t{random()} << 32 | random());
-}
 
 bool is_finite(double number)
 {
@@ -73,69 +60,44 @@ std::string shown_robot(const model_info_t& model)
   return printable(model.name) + " (model_id " + std::to_string(model.model_id) + ")";
 }
 
-// What to say when the bus does not work. Throws std::runtime_error if its URL says already that it does not.
-std::string trouble_of(const std::string& lcm_url)
-{
-  if (const std::string fault = fault_of(choose_bus(lcm_url, "lcm_url")); !fault.empty())
-    throw std::runtime_error("the LCM bus cannot be opened: " + fault);
-  return bus_trouble(lcm_url);
-}
-
 } // namespace
 
 TorqueClient::TorqueClient(const std::string& lcm_url, const std::string& prefix)
-    : trouble_(trouble_of(lcm_url)), stream_id_(random_id()), lcm_(lcm_url)
+    : bus_(std::make_unique<LcmBus>(lcm_url, "lcm_url")), stream_id_(random_id())
 {
   const Channels channels(prefix);
   desired_channel_ = channels.desired;
-  command_channel_ = channels.command;
-  rejected_channel_ = channels.rejected;
-  model_channel_ = channels.model;
-  if (!lcm_.good())
-    throw std::runtime_error("the LCM bus cannot be opened: " + trouble_);
-  // LCM hears itself first; where it does not, its subscription must not be touched
-  if (lcm_.getFileno() < 0)
-    throw std::runtime_error("the LCM bus does not carry messages, not even to this process itself: " + trouble_);
-  for (const std::string* channel : {&command_channel_, &rejected_channel_, &model_channel_})
-    lcm_.subscribeFunction(*channel, &TorqueClient::receive, this)->setQueueCapacity(kQueue);
+  bus_->subscribe(
+      channels.command,
+      [this](Bytes bytes)
+      {
+        torque_command_t command;
+        if (!decode(bytes, command))
+          return;
+        const auto [stream_id, utime] = std::pair(command.stream_id, command.utime);
+        std::string wrong = objection(command);
+        settle(stream_id, utime, wrong.empty() ? Reply(std::move(command)) : Discarded{utime, std::move(wrong)});
+      });
+  bus_->subscribe(channels.rejected,
+                  [this](Bytes bytes)
+                  {
+                    rejection_t rejection;
+                    if (!decode(bytes, rejection))
+                      return;
+                    const auto [stream_id, utime] = std::pair(rejection.stream_id, rejection.utime);
+                    settle(stream_id, utime, std::move(rejection));
+                  });
+  bus_->subscribe(channels.model,
+                  [this](Bytes bytes)
+                  {
+                    if (model_info_t model; decode(bytes, model))
+                      hear_model(std::move(model));
+                  });
 }
 
-void TorqueClient::receive(const lcm::ReceiveBuffer* buffer, const std::string& channel, TorqueClient* client) noexcept
-try
-{
-  client->hear(buffer, channel);
-}
-catch (...)
-{
-  // nothing may leave a handler: LCM would abort the process at its next call
-  client->thrown_ = std::current_exception();
-}
+TorqueClient::~TorqueClient() = default;
 
-// LCM takes channel names for regular expressions, so what is heard may be of another channel
-void TorqueClient::hear(const lcm::ReceiveBuffer* buffer, const std::string& channel)
-{
-  const Bytes bytes = received_bytes(buffer->data, buffer->data_size);
-  torque_command_t command;
-  rejection_t rejection;
-  model_info_t model;
-  if (channel == command_channel_ && decode(bytes, command))
-  {
-    const auto [stream_id, utime] = std::pair(command.stream_id, command.utime);
-    std::string wrong = objection(command);
-    settle(stream_id, utime, wrong.empty() ? Reply(std::move(command)) : Discarded{utime, std::move(wrong)});
-  }
-  else if (channel == rejected_channel_ && decode(bytes, rejection))
-  {
-    const auto [stream_id, utime] = std::pair(rejection.stream_id, rejection.utime);
-    settle(stream_id, utime, std::move(rejection));
-  }
-  else if (channel == model_channel_ && decode(bytes, model))
-  {
-    hear(std::move(model));
-  }
-}
-
-void TorqueClient::hear(model_info_t model)
+void TorqueClient::hear_model(model_info_t model)
 {
   if (!flaw_of(model).empty())
     return;
@@ -215,28 +177,12 @@ void TorqueClient::give_up(Clock::time_point now)
     settle(stream_id_, outstanding_.begin()->first, Silence{outstanding_.begin()->first});
 }
 
-bool TorqueClient::receive(Clock::time_point until)
-{
-  const auto left = std::max(until - Clock::now(), Clock::duration::zero());
-  const auto seconds = std::chrono::duration_cast<std::chrono::seconds>(left);
-  const auto nanoseconds = std::chrono::duration_cast<std::chrono::nanoseconds>(left - seconds);
-  const timespec timeout{static_cast<time_t>(seconds.count()), static_cast<long>(nanoseconds.count())};
-  pollfd fd{lcm_.getFileno(), POLLIN, 0};
-  if (ppoll(&fd, 1, &timeout, nullptr) <= 0)
-    return false;
-  if (lcm_.handle() != 0)
-    throw std::runtime_error("the LCM bus cannot be read any more: " + trouble_);
-  if (thrown_)
-    std::rethrow_exception(std::exchange(thrown_, nullptr));
-  return true;
-}
-
 bool TorqueClient::wait_for_model(Clock::duration patience)
 {
   require_outside_callback("wait_for_model");
   const Clock::time_point until = Clock::now() + patience;
   while (!model_ && Clock::now() < until)
-    receive(until);
+    bus_->wait(until);
   return model_.has_value();
 }
 
@@ -260,15 +206,13 @@ void TorqueClient::publish(desired_state_t& desired)
                                 std::to_string(desired.v.size()) + ", " + std::to_string(desired.a.size()) +
                                 " numbers; expected as many in each");
   const Clock::time_point now = Clock::now();
-  utime_ = std::max(
-      utime_ + 1, std::int64_t{std::chrono::duration_cast<std::chrono::microseconds>(now.time_since_epoch()).count()});
+  utime_ = std::max(utime_ + 1, microseconds(now));
   desired.utime = utime_;
   desired.stream_id = stream_id_;
   desired.model_id = model_ ? model_->model_id : 0;
   if (callback_)
     outstanding_[utime_] = now + patience_;
-  if (lcm_.publish(desired_channel_, &desired) != 0)
-    throw std::runtime_error("the LCM bus takes no message: " + trouble_);
+  bus_->publish(desired_channel_, encode(desired, buffer_));
 }
 
 Reply TorqueClient::ask(desired_state_t& desired, Clock::duration patience)
@@ -281,7 +225,7 @@ Reply TorqueClient::ask(desired_state_t& desired, Clock::duration patience)
   reply_.reset();
   while (!reply_ && Clock::now() < until)
   {
-    receive(until);
+    bus_->wait(until);
     give_up(Clock::now());
   }
   asked_ = 0;
@@ -306,14 +250,14 @@ void TorqueClient::handle(Clock::duration at_most)
   Clock::time_point until = Clock::now() + at_most;
   if (!outstanding_.empty())
     until = std::min(until, outstanding_.begin()->second);
-  for (int i = 0; i < kQueue && receive(until); ++i)
+  for (int i = 0; i < LcmBus::kQueue && bus_->wait(until); ++i)
     until = Clock::now(); // no more waiting, but all that is there
   give_up(Clock::now());
 }
 
 int TorqueClient::file_descriptor()
 {
-  return lcm_.getFileno();
+  return bus_->file_descriptor();
 }
 
 } // namespace torqued

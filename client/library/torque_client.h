@@ -19,16 +19,16 @@
 /// other robot takes a new client.
 #pragma once
 
-#include <lcm/lcm-cpp.hpp>
-
 #include <chrono>
+#include <cstddef>
 #include <cstdint>
-#include <exception>
 #include <functional>
 #include <map>
+#include <memory>
 #include <optional>
 #include <string>
 #include <variant>
+#include <vector>
 
 #include <torqued/desired_state_t.hpp>
 #include <torqued/model_info_t.hpp>
@@ -37,6 +37,8 @@
 
 namespace torqued
 {
+
+class LcmBus;
 
 /// No answer came in time: a newer desired state superseded this one, a message was lost, or no daemon is there.
 struct Silence
@@ -64,6 +66,7 @@ public:
   /// Throws std::runtime_error, with what to do, if the bus cannot be opened or does not carry messages: at once if its
   /// URL says so already, else after the ten seconds for which LCM looks for its own message.
   explicit TorqueClient(const std::string& lcm_url = "", const std::string& prefix = "");
+  ~TorqueClient();
   TorqueClient(const TorqueClient&) = delete;
   TorqueClient& operator=(const TorqueClient&) = delete;
 
@@ -117,19 +120,16 @@ public:
   void restart();
 
 private:
-  void hear(const lcm::ReceiveBuffer* buffer, const std::string& channel);
-  void hear(model_info_t model);
+  void hear_model(model_info_t model);
   std::string objection(const torque_command_t& command) const;
   void require_outside_callback(const char* function) const;
   void settle(std::int64_t stream_id, std::int64_t utime, Reply reply);
   void give_up(Clock::time_point now);
-  bool receive(Clock::time_point until);
-  static void receive(const lcm::ReceiveBuffer* buffer, const std::string& channel, TorqueClient* client) noexcept;
 
-  std::string trouble_;
-  std::string desired_channel_, command_channel_, rejected_channel_, model_channel_;
+  std::unique_ptr<LcmBus> bus_;
+  std::string desired_channel_;
+  std::vector<std::byte> buffer_; // of the desired state
   std::int64_t stream_id_;
-  lcm::LCM lcm_;
   std::optional<model_info_t> model_, other_model_;
   std::int64_t utime_ = 0;                                // of the last desired state
   std::map<std::int64_t, Clock::time_point> outstanding_; // utime of those published, and when they become silence
@@ -138,7 +138,6 @@ private:
   bool calling_back_ = false;
   std::int64_t asked_ = 0;     // utime that ask() waits for; 0: none
   std::optional<Reply> reply_; // to it
-  std::exception_ptr thrown_;
 };
 
 } // namespace torqued
