@@ -1,10 +1,15 @@
 #include "catch.h"
 
 #include "wire/bus_url.h"
+#include "wire/packet.h"
 
+#include <algorithm>
 #include <cstdlib>
 #include <fmt/format.h>
+#include <optional>
+#include <span>
 #include <stdexcept>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -199,6 +204,29 @@ TEST_CASE("what is said of a bus that does not work fits the bus", "[bus_url]")
             .ends_with("the port is missing; expected udpm://239.255.76.67:7667 or the like"));
   const Preset none("");
   CHECK(bus_trouble("").starts_with("neither --lcm-url nor LCM_DEFAULT_URL is set, so LCM's default was tried. A bus"));
+}
+
+TEST_CASE("a packet is what LCM sends for a short message, and nothing else is one", "[bus_url]")
+{
+  using namespace std::string_literals;
+  const auto bytes_of = [](const std::string& text)
+  {
+    return std::as_bytes(std::span(text));
+  };
+  const std::string expected = "LC02\x01\x02\x03\x04"
+                               "CHANNEL\0payload\0."s;
+  const std::string payload = "payload\0."s;
+  const std::vector<std::byte> made = make_packet(0x01020304, "CHANNEL", bytes_of(payload));
+  CHECK(std::string(reinterpret_cast<const char*>(made.data()), made.size()) == expected);
+  const std::optional<Packet> read = read_packet(made);
+  REQUIRE(read);
+  CHECK(read->channel == "CHANNEL");
+  CHECK(std::equal(read->message.begin(), read->message.end(), bytes_of(payload).begin(), bytes_of(payload).end()));
+  const std::string empty = "LC02\0\0\0\0C\0"s;
+  REQUIRE(read_packet(bytes_of(empty)));
+  CHECK(read_packet(bytes_of(empty))->message.empty());
+  for (const std::string& none : {""s, "LC02"s, "LC02\0\0\0\0"s, "LC02\0\0\0\0CHANNEL"s, "LC03\0\0\0\0CHANNEL\0"s})
+    CHECK(!read_packet(bytes_of(none)));
 }
 
 } // namespace bus_url_test

@@ -1,5 +1,7 @@
 #include "bus/bus_facts.h"
 
+#include "wire/packet.h"
+
 #include <algorithm>
 #include <arpa/inet.h>
 #include <array>
@@ -12,11 +14,12 @@
 #include <netinet/in.h>
 #include <nlohmann/json.hpp>
 #include <poll.h>
-#include <random>
 #include <set>
+#include <span>
 #include <sys/socket.h>
 #include <unistd.h>
 #include <utility>
+#include <vector>
 
 namespace torqued
 {
@@ -175,13 +178,6 @@ sockaddr_in socket_address(in_addr_t network_order, int port)
   return address;
 }
 
-// A short message as LCM packs it, which nobody listens to: magic, number of the message, channel, bytes.
-std::string packet_for_myself()
-{
-  std::random_device device;
-  return std::string("LC02\0\0\0\0TORQUECTL_DOCTOR", 24) + '\0' + fmt::format("{:08x}{:08x}", device(), device());
-}
-
 // Sends a message by the way that LCM's take, and waits until it comes back, for half a second.
 void look_at_message(const BusUrl& url, BusFacts& facts)
 {
@@ -195,9 +191,12 @@ void look_at_message(const BusUrl& url, BusFacts& facts)
     facts.socket_trouble = std::strerror(errno);
     return;
   }
-  const std::string packet = packet_for_myself();
+  // nobody listens to this channel
+  const std::string mine = fmt::format("{:016x}", random_id());
+  const std::vector<std::byte> bytes = make_packet(0, "TORQUECTL_DOCTOR", std::as_bytes(std::span(mine)));
+  const std::string sent(reinterpret_cast<const char*>(bytes.data()), bytes.size());
   out.set(IPPROTO_IP, IP_MULTICAST_TTL, static_cast<unsigned char>(url.ttl));
-  if (!out.send_to(socket_address(group, url.port), packet))
+  if (!out.send_to(socket_address(group, url.port), sent))
   {
     facts.send_trouble = std::strerror(errno);
     return;
@@ -208,7 +207,7 @@ void look_at_message(const BusUrl& url, BusFacts& facts)
   {
     pollfd fd{in.fd(), POLLIN, 0};
     if (poll(&fd, 1, 20) > 0)
-      facts.came_back = in.receive() == packet;
+      facts.came_back = in.receive() == sent;
   }
 }
 

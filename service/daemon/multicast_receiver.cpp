@@ -1,5 +1,7 @@
 #include "daemon/multicast_receiver.h"
 
+#include "wire/packet.h"
+
 #include <algorithm>
 #include <arpa/inet.h>
 #include <array>
@@ -21,9 +23,6 @@ namespace torqued
 namespace
 {
 
-// A short message of LCM's: magic, number of the message, channel and its zero, payload.
-constexpr std::uint32_t kMagic = 0x4c433032; // "LC02"
-constexpr std::size_t kChannelAt = 8;
 constexpr std::size_t kLongestDatagram = 65'536;
 // Bytes that the buffer shall have, as far as the system grants them: its default is that for one slow program. And
 // those that it has at least: with room for less than some dozens of samples any of them might be the last that found
@@ -154,7 +153,7 @@ std::vector<sock_filter> MulticastReceiver::filter() const
   constexpr sock_filter refuse{BPF_RET | BPF_K, 0, 0, 0};
   constexpr sock_filter take{BPF_RET | BPF_K, 0, 0, std::numeric_limits<std::uint32_t>::max()};
   std::vector<sock_filter> program{
-      {BPF_LD | BPF_W | BPF_ABS, 0, 0, kPayload}, {BPF_JMP | BPF_JEQ | BPF_K, 1, 0, kMagic}, refuse};
+      {BPF_LD | BPF_W | BPF_ABS, 0, 0, kPayload}, {BPF_JMP | BPF_JEQ | BPF_K, 1, 0, kPacketMagic}, refuse};
   if (only_this_machine_)
   {
     // a multicast that comes back to its own machine says so, or comes by the interface that leads nowhere else
@@ -171,7 +170,7 @@ std::vector<sock_filter> MulticastReceiver::filter() const
   for (const Subscription& subscription : subscriptions_)
   {
     const std::string_view with_zero(subscription.channel.c_str(), subscription.channel.size() + 1);
-    std::vector<sock_filter> name = compare(kPayload + kChannelAt, with_zero);
+    std::vector<sock_filter> name = compare(kPayload + kPacketHeader, with_zero);
     // a channel's name is short, so that its end is within the reach of a jump
     for (std::size_t i = 1; i < name.size(); i += 2)
       name[i].jf = static_cast<std::uint8_t>(name.size() - i);
@@ -234,16 +233,12 @@ void MulticastReceiver::count_lost(std::uint32_t lost)
 
 void MulticastReceiver::hand_over(Bytes datagram) const
 {
-  const std::string_view text(reinterpret_cast<const char*>(datagram.data()), datagram.size());
-  if (text.size() <= kChannelAt || big_endian(text.substr(0, 4)) != kMagic)
+  const std::optional<Packet> packet = read_packet(datagram);
+  if (!packet)
     return;
-  const std::size_t zero = text.find('\0', kChannelAt);
-  if (zero == std::string_view::npos)
-    return;
-  const std::string_view channel = text.substr(kChannelAt, zero - kChannelAt);
   for (const Subscription& subscription : subscriptions_)
-    if (channel == subscription.channel)
-      return subscription.handler(datagram.subspan(zero + 1));
+    if (packet->channel == subscription.channel)
+      return subscription.handler(packet->message);
 }
 
 } // namespace torqued

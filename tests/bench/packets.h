@@ -1,7 +1,7 @@
 /// UDP multicast on bare sockets, within this machine, in LCM's format for short messages.
 #pragma once
 
-#include "wire/messages.h"
+#include "wire/packet.h"
 
 #include <arpa/inet.h>
 #include <array>
@@ -66,7 +66,7 @@ public:
   /// From now on hears only messages whose channel has this character there; the others wake nobody.
   void filter(std::size_t place, char character)
   {
-    const auto offset = static_cast<std::uint32_t>(8 + kHeader + place); // 8: of UDP
+    const auto offset = static_cast<std::uint32_t>(8 + kPacketHeader + place); // 8: of UDP
     std::array<sock_filter, 4> program{
         {BPF_STMT(BPF_LD | BPF_B | BPF_ABS, offset),
          BPF_JUMP(BPF_JMP | BPF_JEQ | BPF_K, static_cast<std::uint32_t>(character), 0, 1),
@@ -75,27 +75,15 @@ public:
   }
 
   /// As LCM does.
-  void publish(std::string_view channel, Bytes message)
-  {
-    const std::array<std::uint32_t, 2> header{htonl(0x4c433032), htonl(sequence_++)};
-    packet_.resize(kHeader + channel.size() + 1 + message.size());
-    std::memcpy(packet_.data(), header.data(), kHeader);
-    std::memcpy(packet_.data() + kHeader, channel.data(), channel.size());
-    packet_[kHeader + channel.size()] = std::byte{0};
-    std::memcpy(packet_.data() + kHeader + channel.size() + 1, message.data(), message.size());
-    send(packet_);
-  }
+  void publish(std::string_view channel, Bytes message) { send(make_packet(sequence_++, channel, message)); }
   /// What a short message carries; no bytes: it is none.
   static Bytes message_of(Bytes packet)
   {
-    const std::string_view text(reinterpret_cast<const char*>(packet.data()), packet.size());
-    const std::size_t end = text.find('\0', kHeader);
-    return text.starts_with("LC02") && end != std::string_view::npos ? packet.subspan(end + 1) : Bytes();
+    const std::optional<Packet> read = read_packet(packet);
+    return read ? read->message : Bytes();
   }
 
 private:
-  static constexpr std::size_t kHeader = 8;
-
   static sockaddr_in address(int port)
   {
     sockaddr_in result{};
@@ -114,7 +102,6 @@ private:
   int fd_;
   sockaddr_in to_;
   std::uint32_t sequence_ = 0;
-  std::vector<std::byte> packet_;
   std::array<std::byte, 65536> buffer_;
 };
 
