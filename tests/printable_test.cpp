@@ -1,7 +1,9 @@
 #include "catch.h"
 
+#include "text/number.h"
 #include "text/printable.h"
 
+#include <cstdint>
 #include <random>
 #include <string>
 #include <utility>
@@ -89,6 +91,32 @@ TEST_CASE("what is shown is cut between characters, and shows nothing new when i
       rest.remove_prefix(character.size);
     }
   }
+}
+
+TEST_CASE("a number is the whole of a text, in range, with or without a sign", "[printable]")
+{
+  for (const auto& [text, number] : std::vector<std::pair<std::string, double>>{
+           {"0", 0.0}, {"+5", 5.0}, {"-0.25", -0.25}, {".5", 0.5}, {"5.", 5.0}, {"1e-3", 1e-3}, {"1E3", 1e3}})
+    CHECK(number_in<double>(text) == number);
+  for (const char* none : {"", "+", "-", "+-5", "++5", " 5", "5 ", "5a", "0x10", "1,5", "1e999", "five"})
+  {
+    CAPTURE(none);
+    CHECK(!number_in<double>(none));
+    CHECK(!number_in<int>(none));
+  }
+  CHECK(number_in<std::int8_t>("-128") == -128);
+  CHECK(!number_in<std::int8_t>("128"));
+  CHECK(!number_in<int>("1.5"));
+  CHECK(!number_in<std::size_t>("-1"));
+}
+
+TEST_CASE("of many names the first are listed, of a long name its beginning", "[printable]")
+{
+  const std::vector<std::string> names{"q0", "q\x1b", "", "abcdef"};
+  CHECK(listed(names, 4) == "q0, q?, , abcdef");
+  CHECK(listed(names, 3) == "q0, q?, , ...");
+  CHECK(listed(names, 4, 3) == "q0, q?, , abc...");
+  CHECK(listed(std::vector<std::string>(), 3).empty());
 }
 
 } // namespace printable_test

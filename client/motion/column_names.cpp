@@ -7,7 +7,6 @@
 #include <algorithm>
 #include <array>
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 #include <optional>
 #include <set>
 #include <utility>
@@ -34,12 +33,6 @@ NameAndUnit split_unit(std::string_view text)
     return {std::string(text), std::nullopt};
   return {std::string(trimmed(text.substr(0, open))),
           std::string(trimmed(text.substr(open + 1, text.size() - open - 2)))};
-}
-
-bool names_time(const std::string& cell)
-{
-  const std::string name = lower_case(split_unit(cell).name);
-  return name == "time" || name == "utime";
 }
 
 bool says_no_unit(std::string_view unit)
@@ -71,14 +64,7 @@ std::string unit_in_cell(const std::string& cell)
   return split.unit && split.name.empty() ? *split.unit : std::string(trimmed(cell));
 }
 
-// "q0, q1, ..."
-std::string listed(const std::vector<std::string>& names)
-{
-  constexpr std::size_t most = 8;
-  const std::size_t count = std::min(most, names.size());
-  return fmt::format("{}{}", fmt::join(names.begin(), names.begin() + static_cast<std::ptrdiff_t>(count), ", "),
-                     names.size() > most ? ", ..." : "");
-}
+constexpr std::size_t kMostListed = 8;
 
 // Finds the known columns among the cells of a header, and their units.
 class NameReader
@@ -174,7 +160,7 @@ private:
       taken.merge(now);
     }
     if (!renamed.empty())
-      found_.assumptions.push_back(fmt::format("names in another case are read: {}", listed(renamed)));
+      found_.assumptions.push_back(fmt::format("names in another case are read: {}", listed(renamed, kMostListed)));
   }
 
   // "s;rad;rad" below the names
@@ -228,7 +214,7 @@ private:
         converted.push_back(fmt::format("{} from {}", column.name, shown_unit(*units_[i])));
     }
     if (!converted.empty())
-      found_.assumptions.push_back(fmt::format("units are converted: {}", listed(converted)));
+      found_.assumptions.push_back(fmt::format("units are converted: {}", listed(converted, kMostListed)));
   }
 
   void convert_degrees_of_opensim()
@@ -253,7 +239,7 @@ private:
                                 file_, header_.number));
     if (*opensim->degrees)
       found_.assumptions.push_back(
-          fmt::format("its OpenSim header says inDegrees=yes; converted to rad: {}", listed(angles)));
+          fmt::format("its OpenSim header says inDegrees=yes; converted to rad: {}", listed(angles, kMostListed)));
   }
 
   CsvReader& reader_;

@@ -8,17 +8,16 @@
 #include "motion/motion_columns.h"
 #include "motion/support_course.h"
 #include "motion/table_text.h"
+#include "text/number.h"
 #include "text/plain_text.h"
 #include "text/printable.h"
 
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <cmath>
 #include <cstdint>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
-#include <system_error>
 #include <utility>
 #include <vector>
 
@@ -37,15 +36,6 @@ std::string quoted_cell(const std::string& cell)
   if (cell.empty())
     return "nothing";
   return fmt::format("\"{}\"", printable(cell.size() > longest ? cell.substr(0, longest) + "..." : cell));
-}
-
-// the whole cell as a number, in every locale; a plus sign is no part of std::from_chars' numbers
-template <typename Number> bool parse(std::string_view cell, Number& number)
-{
-  if (cell.size() > 1 && cell[0] == '+' && cell[1] != '-')
-    cell.remove_prefix(1);
-  const auto [end, error] = std::from_chars(cell.data(), cell.data() + cell.size(), number);
-  return error == std::errc() && end == cell.data() + cell.size();
 }
 
 // Reads the lines of a CSV one after another; all complaints carry the present line.
@@ -92,12 +82,12 @@ private:
 
   double number(std::size_t column) const
   {
-    double value = 0.0;
-    if (!parse(cell(column), value))
+    const std::optional<double> value = number_in<double>(cell(column));
+    if (!value)
       fail(columns_.names[column], quoted_cell(cell(column)), "a number, such as -0.25 or 1e-3");
-    if (!std::isfinite(value))
+    if (!std::isfinite(*value))
       fail(columns_.names[column], quoted_cell(cell(column)), "a finite number");
-    return columns_.factors[column] * value;
+    return columns_.factors[column] * *value;
   }
 
   // a position: NaN where none is written, if derivatives do not need all of them
@@ -112,8 +102,12 @@ private:
   {
     const std::size_t column = columns_.utime ? *columns_.utime : *columns_.time;
     std::int64_t utime = 0;
-    if (columns_.utime && (!parse(cell(column), utime) || utime < -kLatest || utime > kLatest))
-      fail("utime", quoted_cell(cell(column)), "a whole number of µs");
+    if (columns_.utime)
+    {
+      utime = number_in<std::int64_t>(cell(column)).value_or(INT64_MAX);
+      if (utime < -kLatest || utime > kLatest)
+        fail("utime", quoted_cell(cell(column)), "a whole number of µs");
+    }
     if (columns_.time)
     {
       const double seconds = number(*columns_.time);
@@ -179,10 +173,10 @@ private:
       return desired_state_t::DEFAULT;
     if (const Method named = method_named(word); named != Method::none)
       return static_cast<std::int8_t>(named);
-    int value = 0;
-    if (!parse(word, value) || value < INT8_MIN || value > INT8_MAX)
+    const std::optional<std::int8_t> value = number_in<std::int8_t>(word);
+    if (!value)
       fail("method", quoted_cell(word), fmt::format("default, {}, or a method's number", method_names()));
-    return static_cast<std::int8_t>(value);
+    return *value;
   }
 
   // As many as there are names; cells and names without anything may be left out at the end of a line.

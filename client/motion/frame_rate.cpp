@@ -1,7 +1,8 @@
 #include "motion/frame_rate.h"
 
+#include "text/number.h"
+
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <fmt/format.h>
 #include <limits>
@@ -13,13 +14,6 @@ namespace torqued
 
 namespace
 {
-
-template <typename Number> Number parsed(const std::string& text)
-{
-  Number number{};
-  std::from_chars(text.data(), text.data() + text.size(), number);
-  return number;
-}
 
 double ulp(double x)
 {
@@ -35,7 +29,7 @@ double float_ulp(double x)
 bool is_float(double time)
 {
   const auto rounded = static_cast<float>(time);
-  return static_cast<double>(rounded) == time || parsed<double>(fmt::format("{}", rounded)) == time;
+  return static_cast<double>(rounded) == time || number_in<double>(fmt::format("{}", rounded)) == time;
 }
 
 // Rows that are frames: their place among the rows, time since the first row, error and frame.
@@ -269,7 +263,7 @@ std::vector<double> rounding_errors(const std::vector<double>& numbers)
   {
     const auto lost = [&](const std::string& text)
     {
-      return std::abs(parsed<double>(text) - number) > representation(number);
+      return std::abs(*number_in<double>(text) - number) > representation(number);
     };
     while (decimals < most && lost(fmt::format("{:.{}f}", number, decimals)))
       ++decimals;

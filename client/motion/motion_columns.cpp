@@ -128,14 +128,7 @@ private:
                       "time, contactL, contactR and {}",
                       file_, columns_.line, listed_names(), fmt::join(names_.absolute, ", ")));
   }
-  std::string listed_names() const
-  {
-    constexpr std::size_t most = 5;
-    std::string list;
-    for (std::size_t i = 0; i < std::min(most, columns_.names.size()); ++i)
-      list += (i > 0 ? ", " : "") + printable(columns_.names[i], 40);
-    return list + (columns_.names.size() > most ? ", ..." : "");
-  }
+  std::string listed_names() const { return listed(columns_.names, 5, 40); }
   std::vector<std::size_t> indices(const std::vector<std::string>& names) const
   {
     std::vector<std::size_t> columns;
@@ -222,6 +215,17 @@ private:
 };
 
 } // namespace
+
+std::vector<std::string> written_columns(const std::vector<std::string>& coordinates)
+{
+  std::vector<std::string> columns{"utime"};
+  for (const int order : {0, 1, 2})
+    for (const std::string& name : derivative_names(coordinates, order))
+      columns.push_back(name);
+  for (const char* column : {"contactL", "contactR", "leading", "load_transfer", "phase"})
+    columns.emplace_back(column);
+  return columns;
+}
 
 MotionColumns find_columns(CsvReader& reader, const std::string& file, const CoordinateNames& names, bool differentiate)
 {

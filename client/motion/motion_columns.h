@@ -37,4 +37,8 @@ struct MotionColumns
 MotionColumns find_columns(CsvReader& reader, const std::string& file, const CoordinateNames& names,
                            bool differentiate);
 
+/// The columns of a motion in the order in which torquectl writes them: the time, each coordinate and its derivatives,
+/// and the support. coordinates: the names, with those of the base point if it is given.
+std::vector<std::string> written_columns(const std::vector<std::string>& coordinates);
+
 } // namespace torqued

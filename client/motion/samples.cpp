@@ -1,6 +1,7 @@
 #include "motion/samples.h"
 
 #include "motion/frozen.h"
+#include "motion/median.h"
 
 #include <algorithm>
 #include <cmath>
@@ -19,16 +20,6 @@ constexpr double kNear = 0.05;
 constexpr double kTolerableTimeError = 0.01;
 // rows that are further apart are postures, of which none is missing and any may be held
 constexpr double kLongestFrame = 0.05; // s
-
-double median_step(const std::vector<double>& times)
-{
-  std::vector<double> steps;
-  for (std::size_t i = 1; i < times.size(); ++i)
-    steps.push_back(times[i] - times[i - 1]);
-  const auto middle = steps.begin() + static_cast<std::ptrdiff_t>(steps.size() / 2);
-  std::nth_element(steps.begin(), middle, steps.end());
-  return *middle;
-}
 
 // whether a step that is much longer than the others is a gap
 bool is_recording(const Samples& samples)

@@ -2,12 +2,12 @@
 
 #include "motion/failure.h"
 #include "motion/foreign_file.h"
+#include "text/number.h"
 #include "text/plain_text.h"
 #include "text/printable.h"
 
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <cuchar>
 #include <fmt/format.h>
 #include <locale>
@@ -21,19 +21,12 @@ namespace
 constexpr std::array<char, 4> kSeparators{',', ';', '\t', '|'};
 constexpr std::string_view kSpace = " \t";
 
-// whether a cell names the time of a row, with or without a unit in brackets
-bool begins_with_time(std::string_view cell)
-{
-  const std::string name = lower_case(trimmed(cell.substr(0, cell.find_first_of("([")), " \t\""));
-  return name == "time" || name == "utime";
-}
-
 // whether a line splits at a separator into the names of columns, or into numbers only
 bool splits(std::string_view line, char separator)
 {
   const std::vector<std::string_view> cells = split_cells(line, separator);
   const char decimal_sign = separator == ',' ? '.' : ',';
-  if (std::any_of(cells.begin(), cells.end(), begins_with_time))
+  if (std::any_of(cells.begin(), cells.end(), names_time))
     return cells.size() > 1;
   std::size_t numbers = 0;
   for (const std::string_view cell : cells)
@@ -106,9 +99,8 @@ void read_opensim_line(std::string_view line, OpenSimHeader& header)
     header.degrees = value == "yes";
   if (key == "angles are in degrees." || key == "angles are in radians.")
     header.degrees = key == "angles are in degrees.";
-  std::size_t rows = 0;
-  if (key == "nrows" && std::from_chars(value.data(), value.data() + value.size(), rows).ec == std::errc())
-    header.rows = rows;
+  if (key == "nrows")
+    header.rows = number_in<std::size_t>(value);
 }
 
 } // namespace
@@ -340,6 +332,12 @@ std::vector<std::string_view> split_cells(std::string_view line, char separator)
     cells.push_back(cell);
   }
   return cells;
+}
+
+bool names_time(std::string_view cell)
+{
+  const std::string name = lower_case(trimmed(cell.substr(0, cell.find_first_of("([")), " \t\""));
+  return name == "time" || name == "utime";
 }
 
 bool is_number(std::string_view cell, char decimal_sign)

@@ -93,6 +93,9 @@ std::optional<char> other_separator(std::string_view text, char separator);
 /// A line's cells, without the spaces and quotes around them.
 std::vector<std::string_view> split_cells(std::string_view line, char separator);
 
+/// Whether a cell names the time of a row, time or utime, with or without a unit in brackets.
+bool names_time(std::string_view cell);
+
 /// Whether a cell is a number, with this sign before its decimals or without any; nan and inf are numbers.
 bool is_number(std::string_view cell, char decimal_sign);
 

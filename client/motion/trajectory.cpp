@@ -6,11 +6,8 @@
 #include "motion/lcm_log.h"
 #include "text/printable.h"
 
-#include <algorithm>
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 #include <functional>
-#include <iterator>
 #include <set>
 #include <string_view>
 #include <utility>
@@ -27,15 +24,11 @@ namespace
   LogReader log(bytes);
   while (const auto record = log.next())
     heard.emplace(record->channel);
-  constexpr std::size_t most = 8;
-  std::vector<std::string> some(heard.begin(), std::next(heard.begin(), std::min(heard.size(), most)));
-  std::transform(some.begin(), some.end(), some.begin(), [](const std::string& text) { return printable(text); });
   throw Failure(
       ExitCode::bad_data,
-      fmt::format("{}: found no desired state on channel {} of this LCM log ({} undecodable there); it holds {}{}; "
+      fmt::format("{}: found no desired state on channel {} of this LCM log ({} undecodable there); it holds {}; "
                   "--prefix names another channel",
-                  origin.file, channels.desired, origin.undecodable, fmt::join(some, ", "),
-                  heard.size() > most ? ", ..." : ""));
+                  origin.file, channels.desired, origin.undecodable, listed(heard, 8)));
 }
 
 // the desired states of a log, which all are whole; they lie in its bytes

@@ -1,5 +1,7 @@
 #include "motion/units.h"
 
+#include "motion/median.h"
+
 #include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
@@ -11,13 +13,6 @@ namespace torqued
 
 namespace
 {
-
-double median(std::vector<double> numbers)
-{
-  const auto middle = numbers.begin() + static_cast<std::ptrdiff_t>(numbers.size() / 2);
-  std::nth_element(numbers.begin(), middle, numbers.end());
-  return *middle;
-}
 
 // How many times larger the velocities are than the positions' change over time: least squares over all angles; nothing
 // for a motion that hardly moves.
@@ -87,10 +82,7 @@ std::optional<std::string> time_doubt(const WrittenMotion& motion)
   bool moves = false;
   for (Eigen::Index j = 0; j < motion.positions.cols(); ++j)
     moves = moves || (motion.positions.col(j).array() != motion.positions(0, j)).any();
-  std::vector<double> steps;
-  for (std::size_t i = 1; i < motion.times.size(); ++i)
-    steps.push_back(motion.times[i] - motion.times[i - 1]);
-  const double step = median(steps);
+  const double step = median_step(motion.times);
   const auto unit = unit_of_steps(utime, step, motion.times.back() - motion.times.front());
   if (!moves || !unit)
     return {};

@@ -1,8 +1,11 @@
 #include "motion/unwrap.h"
 
+#include "motion/median.h"
+
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <utility>
 
 namespace torqued
 {
@@ -22,11 +25,7 @@ double usual_speed(const std::vector<double>& speeds, std::size_t at)
   for (std::size_t i = at > sides ? at - sides : 0; i < std::min(at + sides + 1, speeds.size()); ++i)
     if (i != at)
       around.push_back(speeds[i]);
-  if (around.empty())
-    return 0.0;
-  const auto middle = around.begin() + static_cast<std::ptrdiff_t>(around.size() / 2);
-  std::nth_element(around.begin(), middle, around.end());
-  return *middle;
+  return around.empty() ? 0.0 : median(std::move(around));
 }
 
 // The steps of a coordinate between rows, and as large as the others make expect; whole turns do not count.

@@ -6,11 +6,11 @@
 #include "motion/lcm_log.h"
 #include "questions/newton_euler.h"
 #include "stance/joint_friction.h"
+#include "text/number.h"
 #include "text/printable.h"
 
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <cmath>
 #include <fmt/format.h>
 #include <map>
@@ -43,14 +43,13 @@ double measured_number(const std::string& file, std::size_t line, const std::str
 {
   if (cell.empty())
     return NAN;
-  double value = 0.0;
-  const auto [end, error] = std::from_chars(cell.data(), cell.data() + cell.size(), value);
-  if (error != std::errc() || end != cell.data() + cell.size() || std::isinf(value))
+  const std::optional<double> value = number_in<double>(cell);
+  if (!value || std::isinf(*value))
     throw Failure(ExitCode::bad_data,
                   fmt::format("{}:{}: column {}: found \"{}\"; expected a finite number, or nan or nothing where there "
                               "is none",
                               file, line, column, printable(cell)));
-  return value;
+  return *value;
 }
 
 // those of the columns that the file has

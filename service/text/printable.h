@@ -86,6 +86,20 @@ inline std::string printable(std::string_view text, std::size_t longest = 300)
   return shown;
 }
 
+/// The first of some names: "q0, q1, ...". longest: of each, characters.
+template <typename Names> std::string listed(const Names& names, std::size_t most, std::size_t longest = 300)
+{
+  std::string list;
+  std::size_t count = 0;
+  for (const auto& name : names)
+  {
+    if (count == most)
+      return list + ", ...";
+    list += (count++ > 0 ? ", " : "") + printable(name, longest);
+  }
+  return list;
+}
+
 /// Appends one line for a terminal: printable, and of one that is too long the begin, where it says what is the matter,
 /// and the end, where it says what would be right.
 template <typename Buffer> void append_printable_line(Buffer& buffer, std::string_view line)
