@@ -17,6 +17,7 @@
 #include <fmt/ranges.h>
 #include <map>
 #include <spdlog/logger.h>
+#include <sstream>
 #include <stdio_ext.h>
 #include <unistd.h>
 
@@ -698,15 +699,26 @@ TEST_CASE("a full disk is not taken for success", "[torquectl_eval]")
 
 TEST_CASE("every subcommand has help with an example", "[torquectl_eval]")
 {
-  for (const std::string name : {"send", "echo", "view", "eval", "compare", "report", "export", "gait", "project",
-                                 "dynamics", "wrenches", "model", "status", "doctor"})
+  // torquectl --help lists them, each in a line that begins with its name behind two spaces
+  std::istringstream lines(run({"--help"}).out);
+  std::string line;
+  while (std::getline(lines, line) && line != "Subcommands:")
   {
+  }
+  int count = 0;
+  while (std::getline(lines, line) && !line.empty())
+  {
+    if (line[2] == ' ') // its description goes on
+      continue;
+    ++count;
+    const std::string name = line.substr(2, line.find(' ', 2) - 2);
+    CAPTURE(name);
     const Run help = run({name, "--help"});
     CHECK(help.code == 0);
     CHECK(help.out.find("Example") != std::string::npos);
     CHECK(help.out.find("torquectl " + name + " ") != std::string::npos);
-    CHECK(run({"--help"}).out.find("\n  " + name + " ") != std::string::npos);
   }
+  CHECK(count >= 14);
 }
 
 TEST_CASE("a robot's printed file is the robot, and its description names every link, coordinate and actuator",

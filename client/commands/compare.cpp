@@ -2,6 +2,7 @@
 #include "commands/subcommands.h"
 #include "methods/constrained.h"
 #include "methods/method.h"
+#include "motion/console.h"
 #include "motion/files.h"
 #include "study/measured.h"
 #include "study/outcome.h"

@@ -1,4 +1,5 @@
 #include "bus/bus_facts.h"
+#include "commands/options.h"
 #include "commands/subcommands.h"
 #include "motion/files.h"
 #include "text/printable.h"

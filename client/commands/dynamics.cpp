@@ -2,7 +2,9 @@
 #include "answer/answer.h"
 #include "answer/answer_dynamics.h"
 #include "commands/offline.h"
+#include "commands/options.h"
 #include "commands/subcommands.h"
+#include "motion/console.h"
 #include "motion/files.h"
 #include "stance/joint_friction.h"
 
@@ -96,9 +98,7 @@ Json answered(std::int64_t utime, const dynamics_t& equation, const Robot& robot
 ExitCode dynamics(const DynamicsOptions& options)
 {
   const std::string& path = options.offline.out;
-  if (!path.ends_with(".json") && !path.ends_with(".jsonl") && path != "-")
-    throw Failure(ExitCode::usage,
-                  fmt::format("-o: found \"{}\"; expected a name that ends in .json or .jsonl, or -", path));
+  require_ending(path, {".json", ".jsonl"});
   // no structured binding: before Clang 16 no lambda captures one
   const OfflineInput input = read_offline_input(options.offline);
   const Config& config = input.config;

@@ -1,7 +1,9 @@
 #include "bus/bus.h"
 #include "bus/daemons.h"
+#include "commands/options.h"
 #include "commands/robot_choice.h"
 #include "commands/subcommands.h"
+#include "motion/console.h"
 #include "motion/files.h"
 #include "study/answer_table.h"
 #include "study/tally.h"
@@ -291,9 +293,7 @@ std::unique_ptr<Format> make_format(const std::string& name)
 
 ExitCode echo_bus(const EchoOptions& options)
 {
-  Config config;
-  set_flag("--prefix", set_prefix, config, options.prefix);
-  const Channels channels(config.prefix);
+  const Channels channels = channels_with(options.prefix);
   Bus bus(options.lcm_url);
   if (!bus.wait_for_model(channels))
     return ExitCode::done;

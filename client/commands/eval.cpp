@@ -1,5 +1,6 @@
 #include "answer/answer_message.h"
 #include "commands/offline.h"
+#include "commands/options.h"
 #include "commands/robot_choice.h"
 #include "commands/subcommands.h"
 #include "motion/files.h"
@@ -123,18 +124,13 @@ Tally answer_all(const Robot& robot, const AnswerSettings& settings, const Desir
 
 ExitCode eval(const OfflineOptions& options)
 {
-  if (!options.out.ends_with(".csv") && !options.out.ends_with(".lcm") && options.out != "-")
-    throw Failure(ExitCode::usage,
-                  fmt::format("-o: found \"{}\"; expected a name that ends in .csv or .lcm, or -", options.out));
+  require_ending(options.out, {".csv", ".lcm"});
   const auto [config, robot, desired] = read_offline_input(options);
 
   AnswerWriter writer(options.out, robot, config, desired);
   const Tally tally = answer_all(robot, config.answers, desired, writer);
   writer.close();
-  print_summary(options.out,
-                fmt::format("{}: {} of {} samples answered, {}\n{}{}", robot.name, tally.answered,
-                            desired.messages.size(), tally.rejections(), tally.flag_line(), tally.first_of_each()));
-  tally.require_answers(options.file);
+  print_answered(options, robot, desired, tally);
   return ExitCode::done;
 }
 

@@ -1,5 +1,7 @@
+#include "commands/options.h"
 #include "commands/robot_choice.h"
 #include "commands/subcommands.h"
+#include "motion/console.h"
 #include "motion/files.h"
 #include "motion/foreign_file.h"
 #include "motion/lcm_log.h"
@@ -63,9 +65,7 @@ std::string next_line(const MotionTable& table, const desired_state_t& state, Re
 
 ExitCode export_log(const ExportOptions& options)
 {
-  Config config;
-  set_flag("--prefix", set_prefix, config, options.prefix);
-  const Channels channels(config.prefix);
+  const Channels channels = channels_with(options.prefix);
   require_other_file(options.log, options.out);
   const std::string bytes = read_file(options.log);
   if (!LogReader::is_log(bytes))
@@ -73,8 +73,7 @@ ExitCode export_log(const ExportOptions& options)
                                                   foreign_file(bytes).value_or("no LCM log")));
   const Trajectory trajectory = parse_trajectory(bytes, options.log, {}, false, channels);
   const model_info_t model = choose_model(said_robot(options.robot), robots_named_by(bytes, options.log, channels));
-  for (const std::string& line : notes(trajectory))
-    note(line);
+  note(notes(trajectory));
   RecordedAnswers answers(bytes, options.log, channels, model.model_id);
   const auto of_another = [&model](const desired_state_t& state)
   {
@@ -85,8 +84,7 @@ ExitCode export_log(const ExportOptions& options)
                   fmt::format("{}: found desired states for model_id {}; expected {}, that of {}: they are another "
                               "robot's",
                               options.log, trajectory.states.front().model_id, model.model_id, printable(model.name)));
-  for (const std::string& line : answers.notes())
-    note(line);
+  note(answers.notes());
   const MotionTable table = table_of(trajectory, model);
   OutputFile csv(options.out);
   csv.write(table.header());

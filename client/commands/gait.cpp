@@ -1,6 +1,9 @@
 #include "motion/gait.h"
+#include "commands/offline.h"
+#include "commands/options.h"
 #include "commands/robot_choice.h"
 #include "commands/subcommands.h"
+#include "motion/console.h"
 #include "motion/files.h"
 #include "motion/unit_names.h"
 #include "study/answer_table.h"
@@ -75,15 +78,7 @@ Gait find_gait(const GaitCommand& command, const Robot& robot)
 // as the begin of the next.
 int write(const Gait& gait, const Robot& robot, double rate, OutputFile& file)
 {
-  std::vector<std::string> names = robot.absolute_names;
-  names.insert(names.end(), robot.base_names.begin(), robot.base_names.end());
-  std::vector<std::string> header{"utime"};
-  for (const char* derivative : {"", "d", "dd"})
-    for (const std::string& name : names)
-      header.push_back(derivative + name);
-  for (const char* column : {"contactL", "contactR", "leading", "load_transfer", "phase"})
-    header.emplace_back(column);
-  file.write(csv_line(header) + robot_lines(robot.name, robot.model_id));
+  file.write(csv_line(motion_columns(robot, true)) + robot_lines(robot.name, robot.model_id));
   const GaitOptions& o = gait.options();
   file.write(fmt::format(
       "# torquectl gait --robot {} --step-length {} --step-time {} --double-support {} --first-part {} --heel-strike "
@@ -99,17 +94,9 @@ int write(const Gait& gait, const Robot& robot, double rate, OutputFile& file)
   int rows = 0;
   const auto row = [&](std::int64_t utime, double t, const GaitPhase& phase)
   {
-    const DesiredState state = gait.at(t, phase);
-    std::vector<std::string> cells{fmt::format("{}", utime)};
-    for (const VectorQ* numbers : {&state.q, &state.v, &state.a})
-      for (const double number : *numbers)
-        cells.push_back(number_cell(number));
-    cells.emplace_back(name_of(state.support.of(Side::left)));
-    cells.emplace_back(name_of(state.support.of(Side::right)));
-    cells.emplace_back(state.support.leading == Side::left ? "L" : "R");
-    cells.push_back(number_cell(state.support.load_transfer));
-    cells.push_back(number_cell(state.support.phase));
-    file.write(csv_line(cells));
+    DesiredState state = gait.at(t, phase);
+    state.utime = utime;
+    file.write(csv_line(motion_cells(robot, state, true)));
     ++rows;
   };
   const auto micros = [](double t)
@@ -132,9 +119,7 @@ int write(const Gait& gait, const Robot& robot, double rate, OutputFile& file)
 
 ExitCode run_gait(const GaitCommand& command)
 {
-  if (!command.out.ends_with(".csv") && command.out != "-")
-    throw Failure(ExitCode::usage,
-                  fmt::format("-o: found \"{}\"; expected a name that ends in .csv, or -", command.out));
+  require_ending(command.out, {".csv"});
   const Robot robot = require_robot(command.robot);
   const Gait gait = find_gait(command, robot);
   const GaitOptions& options = gait.options();

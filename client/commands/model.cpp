@@ -1,3 +1,4 @@
+#include "commands/options.h"
 #include "commands/robot_choice.h"
 #include "commands/subcommands.h"
 #include "questions/regressor.h"

@@ -1,8 +1,12 @@
 #include "commands/offline.h"
+#include "commands/options.h"
+#include "motion/console.h"
 
 #include "commands/robot_choice.h"
 #include "commands/subcommands.h"
 #include "motion/files.h"
+#include "motion/motion_columns.h"
+#include "study/answer_table.h"
 
 #include <CLI/CLI.hpp>
 
@@ -45,9 +49,40 @@ OfflineInput read_offline_input(const OfflineOptions& options)
   check_fits(config, robot);
   DesiredMessages desired =
       read_messages(input, options.file, coordinate_names(robot), options.differentiation, channels);
-  for (const std::string& line : notes(desired))
-    note(line);
+  note(notes(desired));
   return {std::move(config), std::move(robot), std::move(desired)};
+}
+
+void print_answered(const OfflineOptions& options, const Robot& robot, const DesiredMessages& desired,
+                    const Tally& tally)
+{
+  print_summary(options.out,
+                fmt::format("{}: {} of {} samples answered, {}\n{}{}", robot.name, tally.answered,
+                            desired.messages.size(), tally.rejections(), tally.flag_line(), tally.first_of_each()));
+  tally.require_answers(options.file);
+}
+
+std::vector<std::string> motion_columns(const Robot& robot, bool base_given)
+{
+  std::vector<std::string> names = robot.absolute_names;
+  if (base_given)
+    names.insert(names.end(), robot.base_names.begin(), robot.base_names.end());
+  return written_columns(names);
+}
+
+std::vector<std::string> motion_cells(const Robot& robot, const DesiredState& state, bool base_given)
+{
+  std::vector<std::string> cells{fmt::format("{}", state.utime)};
+  const int count = robot.num_coordinates() + (base_given ? 2 : 0);
+  for (const VectorQ* numbers : {&state.q, &state.v, &state.a})
+    for (const double number : numbers->head(count))
+      cells.push_back(number_cell(number));
+  for (const Side side : kSides)
+    cells.emplace_back(name_of(state.support.of(side)));
+  cells.emplace_back(state.support.leading == Side::left ? "L" : "R");
+  cells.push_back(number_cell(state.support.load_transfer));
+  cells.push_back(number_cell(state.support.phase));
+  return cells;
 }
 
 std::vector<DesiredState> decode_all(const Robot& robot, const DesiredMessages& desired)

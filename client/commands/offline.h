@@ -3,6 +3,7 @@
 
 #include "answer/config.h"
 #include "motion/trajectory.h"
+#include "study/tally.h"
 
 #include <optional>
 #include <string>
@@ -41,6 +42,16 @@ struct OfflineInput
 /// Reads configuration, robot and desired states, and tells the user what to know about them. Throws Failure;
 /// FileError.
 OfflineInput read_offline_input(const OfflineOptions& options);
+
+/// Says how many desired states were answered. Throws Failure, bad_data, if none was.
+void print_answered(const OfflineOptions& options, const Robot& robot, const DesiredMessages& desired,
+                    const Tally& tally);
+
+/// The columns of a motion that a subcommand makes: utime, absolute coordinates, the base point if it is given,
+/// support.
+std::vector<std::string> motion_columns(const Robot& robot, bool base_given);
+/// The cells of a desired state, in absolute coordinates.
+std::vector<std::string> motion_cells(const Robot& robot, const DesiredState& state, bool base_given);
 
 /// Desired states, checked as the daemon checks them; all of them. Throws Failure, bad_data, with the place of the
 /// first that cannot be used.

@@ -1,8 +1,10 @@
 #include "stance/projection.h"
 
 #include "commands/offline.h"
+#include "commands/options.h"
 #include "commands/robot_choice.h"
 #include "commands/subcommands.h"
+#include "motion/console.h"
 #include "motion/files.h"
 #include "study/answer_table.h"
 
@@ -170,52 +172,16 @@ struct Report
   }
 };
 
-std::vector<std::string> header(const Robot& robot, bool base_given)
-{
-  std::vector<std::string> names = robot.absolute_names;
-  if (base_given)
-    names.insert(names.end(), robot.base_names.begin(), robot.base_names.end());
-  std::vector<std::string> columns{"utime"};
-  for (const char* derivative : {"", "d", "dd"})
-    for (const std::string& name : names)
-      columns.push_back(derivative + name);
-  for (const char* column : {"contactL", "contactR", "leading", "load_transfer", "phase", "method"})
-    columns.emplace_back(column);
-  return columns;
-}
-
-std::vector<std::string> project_cells(const Robot& robot, const DesiredState& state, bool base_given)
-{
-  std::vector<std::string> row{fmt::format("{}", state.utime)};
-  for (const VectorQ* numbers : {&state.q, &state.v, &state.a})
-  {
-    for (int i = 0; i < robot.num_coordinates(); ++i)
-      row.push_back(number_cell((*numbers)(i)));
-    if (base_given)
-      for (const double number : numbers->tail<2>())
-        row.push_back(number_cell(number));
-  }
-  for (const Side side : kSides)
-    row.emplace_back(name_of(state.support.of(side)));
-  row.emplace_back(state.support.leading == Side::left ? "L" : "R");
-  row.push_back(number_cell(state.support.load_transfer));
-  row.push_back(number_cell(state.support.phase));
-  row.emplace_back(state.method == Method::none ? "default" : name_of(state.method));
-  return row;
-}
-
 ExitCode run_project(const OfflineOptions& options)
 {
-  if (!options.out.ends_with(".csv") && options.out != "-")
-    throw Failure(ExitCode::usage,
-                  fmt::format("-o: found \"{}\"; expected a name that ends in .csv, or -", options.out));
+  require_ending(options.out, {".csv"});
   const auto [config, robot, desired] = read_offline_input(options);
   const std::vector<DesiredState> states = decode_all(robot, desired);
   check_base(desired, states);
   const std::vector<Footholds> footholds = find_footholds(robot, desired, states);
   const bool base_given = states.front().base_given;
 
-  std::string text = csv_line(header(robot, base_given)) + robot_lines(robot.name, robot.model_id);
+  std::string text = csv_line(motion_columns(robot, base_given), {"method"}) + robot_lines(robot.name, robot.model_id);
   Report report;
   for (std::size_t i = 0; i < states.size(); ++i)
   {
@@ -224,7 +190,9 @@ ExitCode run_project(const OfflineOptions& options)
       throw Failure(ExitCode::bad_data, fmt::format("{}: {}", desired.place(i), refusal->detail()));
     const Projection& projection = std::get<Projection>(result);
     report.add(robot, desired.place(i), states[i], projection);
-    text += csv_line(project_cells(robot, projection.state, base_given));
+    const Method method = projection.state.method;
+    text += csv_line(motion_cells(robot, projection.state, base_given),
+                     {method == Method::none ? "default" : std::string(name_of(method))});
   }
   OutputFile out(options.out);
   out.write(text);

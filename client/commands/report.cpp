@@ -1,6 +1,8 @@
 #include "commands/offline.h"
+#include "commands/options.h"
 #include "commands/robot_choice.h"
 #include "commands/subcommands.h"
+#include "motion/console.h"
 #include "motion/files.h"
 #include "motion/lcm_log.h"
 #include "page/report_page.h"
@@ -32,7 +34,8 @@ struct ReportOptions
 {
   std::vector<std::string> files, methods;
   std::string out, robot, config, measured;
-  std::optional<std::string> prefix, from, to;
+  std::optional<std::string> prefix;
+  double from = 0.0, to = INFINITY;
   Differentiation differentiation;
 };
 
@@ -138,8 +141,7 @@ std::optional<ReportRun> recorded_run(const Input& input, const Samples& samples
                                       const Channels& channels)
 {
   RecordedAnswers answers(input.bytes, input.file, channels, robot.model_id);
-  for (const std::string& line : answers.notes())
-    note(line);
+  note(answers.notes());
   if (answers.empty())
     return std::nullopt;
   ReportRun run;
@@ -256,8 +258,7 @@ Measured find_measured(const Input& input, const Samples& samples, const Robot& 
                      fmt::format("{} is of", input.file));
   const Trajectory trajectory =
       parse_trajectory(bytes, options.measured, coordinate_names(robot), options.differentiation, channels);
-  for (const std::string& line : notes(trajectory))
-    note(line);
+  note(notes(trajectory));
   const std::vector<DesiredState> states = decode_all(robot, encode_all(trajectory));
   const Measured measured = read_measured(bytes, options.measured, robot, states);
   if (measured.channels.empty())
@@ -271,11 +272,6 @@ Measured find_measured(const Input& input, const Samples& samples, const Robot& 
 std::string stem(const std::string& file)
 {
   return std::filesystem::path(file).stem().string();
-}
-
-double seconds(const std::optional<std::string>& text, double otherwise)
-{
-  return text ? std::stod(*text) : otherwise;
 }
 
 std::ptrdiff_t num_answered(const ReportRun& run)
@@ -313,7 +309,6 @@ ExitCode report(const ReportOptions& options)
     set_flag("--method", set_method, config, name);
     methods.push_back(config.answers.methods.method);
   }
-  const double from = seconds(options.from, 0.0), to = seconds(options.to, INFINITY);
   const Channels channels(config.prefix);
 
   std::vector<Input> inputs;
@@ -334,9 +329,8 @@ ExitCode report(const ReportOptions& options)
   std::vector<ReportMotion> motions;
   for (const Input& input : inputs)
   {
-    for (const std::string& line : notes(input.trajectory))
-      note(line);
-    const Samples samples = choose_samples(robot, input.trajectory, from, to);
+    note(notes(input.trajectory));
+    const Samples samples = choose_samples(robot, input.trajectory, options.from, options.to);
     ReportMotion& motion = motions.emplace_back();
     motion.source = std::filesystem::path(input.trajectory.file).filename().string();
     motion.states = samples.states;

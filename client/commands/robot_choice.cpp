@@ -1,15 +1,16 @@
 #include "commands/robot_choice.h"
 
 #include "bus/model_robot.h"
-#include "commands/subcommands.h"
+#include "motion/console.h"
 #include "motion/failure.h"
 #include "motion/lcm_log.h"
 #include "motion/table_text.h"
+#include "text/number.h"
+#include "text/plain_text.h"
 #include "text/printable.h"
 #include "wire/codec.h"
 
 #include <algorithm>
-#include <charconv>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
@@ -29,15 +30,7 @@ std::string how_to_say()
   return fmt::format("say --robot NAME|FILE (robots that ship: {})", fmt::join(shipped_robot_names(), ", "));
 }
 
-// without the spaces around it, and without the empty cells that spreadsheets append to a comment line
-std::string_view trimmed(std::string_view text)
-{
-  const std::size_t first = text.find_first_not_of(" \t");
-  const std::size_t last = text.find_last_not_of(" \t\r,;");
-  return first == std::string_view::npos || last < first || last == std::string_view::npos
-             ? std::string_view()
-             : text.substr(first, last - first + 1);
-}
+constexpr std::string_view kAround = " \t\r,;"; // a comment's text: spreadsheets append empty cells to its line
 
 // Collects what the comment lines of a CSV say.
 class CommentLines
@@ -48,11 +41,11 @@ public:
   // what follows the # of a comment
   void read(std::string_view comment, std::size_t line)
   {
-    comment = trimmed(comment);
+    comment = trimmed(comment, kAround);
     if (comment.starts_with(kRobot))
-      set(name_, parse_name(trimmed(comment.substr(kRobot.size())), line), kRobot, line);
+      set(name_, parse_name(trimmed(comment.substr(kRobot.size()), kAround), line), kRobot, line);
     else if (comment.starts_with(kModelId))
-      set(model_id_, parse_id(trimmed(comment.substr(kModelId.size())), line), kModelId, line);
+      set(model_id_, parse_id(trimmed(comment.substr(kModelId.size()), kAround), line), kModelId, line);
   }
 
   std::optional<Named> robot() const
@@ -75,13 +68,12 @@ private:
 
   std::int64_t parse_id(std::string_view text, std::size_t line) const
   {
-    std::int64_t id = 0;
-    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), id);
-    if (error != std::errc() || end != text.data() + text.size())
+    const std::optional<std::int64_t> id = number_in<std::int64_t>(text);
+    if (!id)
       throw Failure(ExitCode::bad_data, fmt::format("{}:{}: model_id: found \"{}\"; expected a whole number, as "
                                                     "torquectl model prints it",
                                                     file_, line, printable(std::string(text))));
-    return id;
+    return *id;
   }
 
   template <typename Value>
@@ -246,8 +238,7 @@ SaidRobot said_robot(const std::string& flag, const std::string& config)
 Robot load_said_robot(const std::string& name_or_path)
 {
   Robot robot = load_robot(name_or_path);
-  for (const std::string& line : robot.notes)
-    note(line);
+  note(robot.notes);
   return robot;
 }
 

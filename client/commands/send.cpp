@@ -1,7 +1,10 @@
 #include "bus/bus.h"
+#include "commands/options.h"
 #include "commands/robot_choice.h"
 #include "commands/subcommands.h"
+#include "motion/console.h"
 #include "motion/files.h"
+#include "motion/median.h"
 #include "motion/trajectory.h"
 #include "study/tally.h"
 #include "text/printable.h"
@@ -50,21 +53,6 @@ struct Schedule
   double patience = 0.0; // s that each waits at most for the answer to the one before, counted from that one's sending
 };
 
-// Three quarters of a median step, so that samples in equal steps never wait. A daemon answers the newest sample that
-// it has: of two that it finds waiting, because they are due together or the first was sent late, it would pass over
-// the first.
-double find_patience(const std::vector<double>& due)
-{
-  std::vector<double> steps;
-  for (std::size_t i = 1; i < due.size(); ++i)
-    steps.push_back(due[i] - due[i - 1]);
-  if (steps.empty())
-    return 0.0;
-  const auto median = steps.begin() + static_cast<std::ptrdiff_t>(steps.size() / 2);
-  std::nth_element(steps.begin(), median, steps.end());
-  return 0.75 * *median;
-}
-
 Schedule make_schedule(const Trajectory& trajectory, const SendOptions& options)
 {
   const std::vector<desired_state_t>& states = trajectory.states;
@@ -96,7 +84,10 @@ Schedule make_schedule(const Trajectory& trajectory, const SendOptions& options)
   else if (options.loop)
     throw Failure(ExitCode::usage,
                   fmt::format("--loop needs --rate: {} holds only one desired state", trajectory.file));
-  schedule.patience = find_patience(schedule.due);
+  // Samples in equal steps never wait. A daemon answers the newest sample that it has: of two that it finds waiting,
+  // because they are due together or the first was sent late, it would pass over the first.
+  if (last > 0)
+    schedule.patience = 0.75 * median_step(schedule.due);
   return schedule;
 }
 
@@ -286,8 +277,7 @@ ExitCode send(const SendOptions& options)
   require_same_robot(robots_named_by(bytes, options.file, channels), robot.name, robot.model_id, "torqued computes");
   Trajectory trajectory =
       parse_trajectory(bytes, options.file, coordinate_names(robot), options.differentiation, channels);
-  for (const std::string& line : notes(trajectory))
-    note(line);
+  note(notes(trajectory));
   const Schedule schedule = make_schedule(trajectory, options);
 
   // from here on they are states of this sender, for this daemon

@@ -1,4 +1,5 @@
 #include "bus/daemons.h"
+#include "commands/options.h"
 #include "commands/subcommands.h"
 #include "motion/files.h"
 #include "wire/bus_url.h"
@@ -123,8 +124,7 @@ ExitCode show_live(Bus& bus, const DaemonsHeard& heard, const StatusOptions& opt
 
 ExitCode show_status(const StatusOptions& options)
 {
-  Config config;
-  set_flag("--prefix", set_prefix, config, options.prefix);
+  channels_with(options.prefix); // refuses what can be none
   Bus bus(options.lcm_url);
   DaemonsHeard heard;
   subscribe(bus, options.prefix, heard);

@@ -1,7 +1,6 @@
 #include "commands/torquectl.h"
 
 #include "commands/subcommands.h"
-#include "motion/differentiation.h"
 #include "motion/files.h"
 #include "robot/files/strict_toml.h"
 #include "text/printable.h"
@@ -10,12 +9,9 @@
 #include <CLI/CLI.hpp>
 
 #include <algorithm>
-#include <charconv>
-#include <cmath>
 #include <cstdio>
 #include <exception>
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 #include <new>
 #include <stdexcept>
 #include <vector>
@@ -100,84 +96,6 @@ catch (const std::bad_alloc&)
 catch (const std::exception& error)
 {
   return complain(ExitCode::failed, fmt::format("an unexpected error ended the program: {}", error.what()));
-}
-
-void add_robot_option(CLI::App& subcommand, std::string& robot, const std::string& without)
-{
-  subcommand
-      .add_option("--robot", robot,
-                  fmt::format("a robot that ships ({}) or a .toml or .urdf file; {}",
-                              fmt::join(shipped_robot_names(), ", "), without))
-      ->type_name("NAME|FILE");
-}
-
-void add_method_option(CLI::App& subcommand, std::optional<std::string>& method, const std::string& what)
-{
-  subcommand.add_option("--method", method, fmt::format("{}: {}", what, method_names()))->type_name("NAME");
-}
-
-void add_prefix_option(CLI::App& subcommand, std::optional<std::string>& prefix)
-{
-  subcommand.add_option("--prefix", prefix, "stands before each channel's name")->type_name("TEXT");
-}
-
-void add_differentiation_options(CLI::App& subcommand, Differentiation& differentiation)
-{
-  CLI::Option* wanted =
-      subcommand.add_flag("--differentiate", differentiation.wanted,
-                          "find the derivatives by a quintic spline through the samples, six or more; CSV only");
-  subcommand
-      .add_option("--lowpass", differentiation.lowpass,
-                  "before that, low-pass all coordinates: Butterworth, second order, forward and backward (no lag); HZ "
-                  "is the cut-off of one pass, 6 to 10 for measured walks")
-      ->type_name("HZ")
-      ->check(check_positive)
-      ->needs(wanted);
-}
-
-void add_bus_option(CLI::App& subcommand, std::string& lcm_url)
-{
-  subcommand.add_option("--lcm-url", lcm_url, "the bus; default: LCM_DEFAULT_URL, or LCM's own default")
-      ->type_name("URL");
-}
-
-namespace
-{
-
-// the number that a whole text is; NaN if it is none
-double finite_number(const std::string& text)
-{
-  double number = 0.0;
-  const char* end = text.data() + text.size();
-  const auto [read, error] = std::from_chars(text.data(), end, number);
-  return read == end && error == std::errc() && std::isfinite(number) ? number : NAN;
-}
-
-} // namespace
-
-std::string check_positive(const std::string& text)
-{
-  return finite_number(text) > 0.0 ? "" : fmt::format("found \"{}\"; expected a positive number", text);
-}
-
-std::string check_time(const std::string& text)
-{
-  return finite_number(text) >= 0.0 ? "" : fmt::format("found \"{}\"; expected a time in s, 0 or more", text);
-}
-
-void set_flag(std::string_view flag, void (*set)(Config&, const std::string&), Config& config,
-              const std::optional<std::string>& value)
-{
-  if (!value)
-    return;
-  try
-  {
-    set(config, *value);
-  }
-  catch (const std::invalid_argument& error)
-  {
-    throw Failure(ExitCode::usage, fmt::format("{}: {}", flag, error.what()));
-  }
 }
 
 } // namespace torqued

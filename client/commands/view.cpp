@@ -1,6 +1,8 @@
 #include "bus/bus.h"
+#include "commands/options.h"
 #include "commands/robot_choice.h"
 #include "commands/subcommands.h"
+#include "motion/console.h"
 #include "motion/old_messages.h"
 #include "page/live_motion.h"
 #include "page/page_server.h"
@@ -157,9 +159,7 @@ std::unique_ptr<View> first_view(Bus& bus, const ViewOptions& options, PassedOve
 
 ExitCode view(const ViewOptions& options)
 {
-  Config config;
-  set_flag("--prefix", set_prefix, config, options.prefix);
-  const Channels channels(config.prefix);
+  const Channels channels = channels_with(options.prefix);
   Bus bus(options.lcm_url);
   if (!bus.wait_for_model(channels))
     return ExitCode::done;

@@ -1,5 +1,6 @@
 #include "answer/answer.h"
 #include "commands/offline.h"
+#include "commands/options.h"
 #include "commands/robot_choice.h"
 #include "commands/subcommands.h"
 #include "motion/files.h"
@@ -82,9 +83,7 @@ std::vector<std::string> wrench_cells(const Robot& robot, const DesiredState& de
 
 ExitCode wrenches(const OfflineOptions& options)
 {
-  if (!options.out.ends_with(".csv") && options.out != "-")
-    throw Failure(ExitCode::usage,
-                  fmt::format("-o: found \"{}\"; expected a name that ends in .csv, or -", options.out));
+  require_ending(options.out, {".csv"});
   const auto [config, robot, desired] = read_offline_input(options);
   const std::vector<std::string> names = columns(robot);
   OutputFile out(options.out);
@@ -118,10 +117,7 @@ ExitCode wrenches(const OfflineOptions& options)
     }
   }
   out.close();
-  print_summary(options.out,
-                fmt::format("{}: {} of {} samples answered, {}\n{}{}", robot.name, tally.answered,
-                            desired.messages.size(), tally.rejections(), tally.flag_line(), tally.first_of_each()));
-  tally.require_answers(options.file);
+  print_answered(options, robot, desired, tally);
   return ExitCode::done;
 }
 
