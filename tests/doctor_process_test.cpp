@@ -257,6 +257,9 @@ TEST_CASE("doctor and status know no daemon, one, two with prefixes, and two on 
   CHECK(daemons[1]["prefix"] == "other/");
   CHECK(daemons[1]["state"] == "WAITING");
   CHECK(daemons[1]["per_second"]["received"] == 0.0);
+  // a daemon's status has the fields and the names that echo shows
+  CHECK(daemons[0]["last_reason"].is_null());
+  CHECK(daemons[0]["latency_us_p50"].get<double>() <= daemons[0]["latency_us_max"].get<double>());
   const Json findings = Json::parse(run({TORQUECTL, "doctor", "--json"}).text);
   CHECK(findings.size() > 4);
   for (const Json& finding : findings)

@@ -2,6 +2,7 @@
 #include "bus/daemons.h"
 #include "commands/options.h"
 #include "commands/robot_choice.h"
+#include "commands/status_json.h"
 #include "commands/subcommands.h"
 #include "motion/console.h"
 #include "motion/files.h"
@@ -178,29 +179,9 @@ public:
   }
   std::string line(const status_t& status) override
   {
-    return text({{"type", "status"},
-                 {"utime", status.utime},
-                 {"instance_id", status.instance_id},
-                 {"uptime_us", status.uptime_us},
-                 {"model_id", status.model_id},
-                 {"settings_id", status.settings_id},
-                 {"state", state_name(status.state)},
-                 {"received", status.received},
-                 {"answered", status.answered},
-                 {"rejected", status.rejected},
-                 {"superseded", status.superseded},
-                 {"late", status.late},
-                 {"conflicts", status.conflicts},
-                 {"dropped_logs", status.dropped_logs},
-                 {"dropped_upper_bound", status.dropped_upper_bound},
-                 {"last_reason", status.last_reason == 0 ? Json() : Json(reason_name(status.last_reason))},
-                 {"input_age_us", status.input_age_us},
-                 {"latency_us_p50", status.latency_us_p50},
-                 {"latency_us_p90", status.latency_us_p90},
-                 {"latency_us_p99", status.latency_us_p99},
-                 {"latency_us_p999", status.latency_us_p999},
-                 {"latency_us_max", status.latency_us_max},
-                 {"version", status.version}});
+    Json object{{"type", "status"}};
+    object.update(status_json(status));
+    return text(object);
   }
 
 private:

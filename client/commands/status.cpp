@@ -1,5 +1,6 @@
 #include "bus/daemons.h"
 #include "commands/options.h"
+#include "commands/status_json.h"
 #include "commands/subcommands.h"
 #include "motion/files.h"
 #include "wire/bus_url.h"
@@ -30,46 +31,24 @@ struct StatusOptions
 
 using Json = nlohmann::ordered_json;
 
-// each daemon's last status under the names of status_t, what it computes, and its counts per second; nothing: null
+// each daemon's last status, what it computes, and its counts per second; nothing: null
 Json describe(const std::vector<Daemon>& daemons)
 {
   Json list = Json::array();
   for (const Daemon& daemon : daemons)
   {
-    const status_t& s = daemon.status;
     Json rates;
     if (daemon.rates)
       rates = {{"received", daemon.rates->received},
                {"answered", daemon.rates->answered},
                {"rejected", daemon.rates->rejected},
                {"superseded", daemon.rates->superseded}};
-    list.push_back({{"prefix", daemon.prefix},
-                    {"present", daemon.present()},
-                    {"silent", daemon.silent},
-                    {"robot", daemon.model ? Json(daemon.model->name) : Json()},
-                    {"instance_id", s.instance_id},
-                    {"uptime_us", s.uptime_us},
-                    {"model_id", s.model_id},
-                    {"settings_id", s.settings_id},
-                    {"state", state_name(s.state)},
-                    {"received", s.received},
-                    {"answered", s.answered},
-                    {"rejected", s.rejected},
-                    {"superseded", s.superseded},
-                    {"late", s.late},
-                    {"conflicts", s.conflicts},
-                    {"dropped_logs", s.dropped_logs},
-                    {"dropped_upper_bound", s.dropped_upper_bound},
-                    {"last_reason", s.last_reason},
-                    {"input_age_us", s.input_age_us},
-                    {"latency_us",
-                     {{"p50", s.latency_us_p50},
-                      {"p90", s.latency_us_p90},
-                      {"p99", s.latency_us_p99},
-                      {"p999", s.latency_us_p999},
-                      {"max", s.latency_us_max}}},
-                    {"per_second", std::move(rates)},
-                    {"version", s.version}});
+    Json& described = list.emplace_back(Json{{"prefix", daemon.prefix},
+                                             {"present", daemon.present()},
+                                             {"silent", daemon.silent},
+                                             {"robot", daemon.model ? Json(daemon.model->name) : Json()},
+                                             {"per_second", std::move(rates)}});
+    described.update(status_json(daemon.status));
   }
   return list;
 }
