@@ -3,7 +3,6 @@
 #include "motion/column_names.h"
 #include "motion/failure.h"
 #include "motion/files.h"
-#include "motion/gzip.h"
 #include "temporary_folder.h"
 
 #include <algorithm>

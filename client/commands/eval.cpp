@@ -95,8 +95,7 @@ private:
 };
 
 // what the daemon would publish for one desired state after another
-Tally answer_all(const Robot& robot, const AnswerSettings& settings, const DesiredMessages& desired,
-                 AnswerWriter& writer)
+Tally evaluate(const Robot& robot, const AnswerSettings& settings, const DesiredMessages& desired, AnswerWriter& writer)
 {
   const std::int64_t id = settings_id(settings);
   StreamMemory memory;
@@ -128,7 +127,7 @@ ExitCode eval(const OfflineOptions& options)
   const auto [config, robot, desired] = read_offline_input(options);
 
   AnswerWriter writer(options.out, robot, config, desired);
-  const Tally tally = answer_all(robot, config.answers, desired, writer);
+  const Tally tally = evaluate(robot, config.answers, desired, writer);
   writer.close();
   print_answered(options, robot, desired, tally);
   return ExitCode::done;

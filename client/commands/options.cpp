@@ -1,5 +1,6 @@
 #include "commands/options.h"
 
+#include "methods/method.h"
 #include "motion/differentiation.h"
 #include "motion/failure.h"
 #include "robot/files/robot_files.h"

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "motion/spline.h"
-#include "motion/units.h"
+#include "motion/unit_doubts.h"
 
 #include <cstddef>
 #include <optional>

@@ -29,6 +29,12 @@ private:
   std::string read_;
 };
 
+/// Whether bytes begin as gzip's files do.
+bool is_gzip(std::string_view bytes);
+/// What gzip has packed, unpacked: all members of a file one after another; file: the name used in complaints. Throws
+/// Failure, bad_data, if it is cut or damaged.
+std::string unpack_gzip(std::string_view bytes, const std::string& file);
+
 /// A copy of a file's bytes. Throws as InputFile does.
 std::string read_file(const std::string& path);
 

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "motion/frame_rate.h"
-#include "motion/units.h"
+#include "motion/unit_doubts.h"
 
 #include <Eigen/Core>
 #include <cstddef>

@@ -3,7 +3,7 @@
 #include "require.h"
 
 #include "motion/failure.h"
-#include "motion/gzip.h"
+#include "motion/files.h"
 #include "motion/lcm_log.h"
 #include "motion/trajectory.h"
 #include "robot/files/robot_files.h"

@@ -1,4 +1,4 @@
-#include "motion/units.h"
+#include "motion/unit_doubts.h"
 
 #include "motion/median.h"
 
