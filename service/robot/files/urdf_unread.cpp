@@ -1,10 +1,10 @@
 #include "robot/files/urdf_unread.h"
 
+#include "text/number.h"
 #include "text/printable.h"
 
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <cmath>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -37,17 +37,6 @@ std::string trimmed(const char* text)
   const std::size_t begin = all.find_first_not_of(" \t\r\n");
   const std::size_t end = all.find_last_not_of(" \t\r\n");
   return begin == std::string_view::npos ? std::string() : std::string(all.substr(begin, end - begin + 1));
-}
-
-std::optional<double> number_in(std::string_view text)
-{
-  if (text.starts_with('+'))
-    text.remove_prefix(1);
-  double value = 0.0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (error != std::errc() || end != text.data() + text.size())
-    return {};
-  return value;
 }
 
 // attributes about motors, and the key of an [[actuator]] that says the same
@@ -111,7 +100,7 @@ bool bounds_motion(std::string_view attribute)
 
 bool says_none(std::string_view attribute, const std::string& text)
 {
-  const std::optional<double> value = number_in(text);
+  const std::optional<double> value = number_in<double>(text);
   if (lower(local(attribute)) != "effort")
     return value == (is_ratio(attribute) ? 1.0 : 0.0);
   constexpr double most = 1e9; // N m; more is an exporter's word for "none"
@@ -181,7 +170,7 @@ std::string reflected(const std::vector<UnreadValue>& values)
       continue;
     }
     is_said = true;
-    const std::optional<double> number = number_in(value.value);
+    const std::optional<double> number = number_in<double>(value.value);
     is_clear = is_clear && number;
     (is_ratio(about) ? ratios : inertias).push_back(number.value_or(0.0));
   }
@@ -220,7 +209,7 @@ std::optional<std::string> part_of_simulator(const tinyxml2::XMLElement& child)
       part += fmt::format(" {}={}", printable(attribute->Name(), kLongestValue),
                           printable(trimmed(attribute->Value()), kLongestValue));
     }
-  const bool is_none = text.empty() || text == "false" || (number_in(text) == 0.0 && !name.starts_with("mu"));
+  const bool is_none = text.empty() || text == "false" || (number_in<double>(text) == 0.0 && !name.starts_with("mu"));
   if (!says && is_none)
     return {};
   return part + ">";
