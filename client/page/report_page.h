@@ -56,7 +56,7 @@ struct Liveness
   bool stopping = false;            ///< that status said that torqued was about to end
 };
 
-/// What the page shows, as JSON; page.js says how it is read.
+/// What the page shows, as JSON; script/document.js says how it is read.
 ///
 /// Numbers of a column are 32-bit floats (times: 64-bit), little-endian, in base64; NaN where there is none.
 std::string report_document(const Robot& robot, const std::vector<ReportMotion>& motions,
