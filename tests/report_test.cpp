@@ -8,12 +8,14 @@
 #include "page/report_page.h"
 #include "robot/files/robot_files.h"
 #include "stance/contacts.h"
+#include "study/answer_table.h"
 
 #include <bit>
 #include <cmath>
 #include <cstring>
 #include <map>
 #include <nlohmann/json.hpp>
+#include <set>
 
 namespace report_test
 {
@@ -159,7 +161,6 @@ TEST_CASE("a page shows what eval answers, and the robot where the motion has it
                                                                        {"tau_right_ankle", "tau_right_ankle"},
                                                                        {"fxL", "fxL"},
                                                                        {"fzR", "fzR"},
-                                                                       {"momentL", "momentL"},
                                                                        {"copL", "sole_copL"},
                                                                        {"copR", "sole_copR"},
                                                                        {"flags", "flags"},
@@ -193,6 +194,48 @@ TEST_CASE("a page shows what eval answers, and the robot where the motion has it
     }
 }
 
+TEST_CASE("a page's document names flags by bit, contacts by number, and the curves of its runs", "[report]")
+{
+  const TemporaryFolder folder;
+  const std::string page = folder.file("walk.html");
+  REQUIRE(run({"report", kWalk, "--robot", "human-subject01", "--to", "0.1", "-o", page}).code == 0);
+  const Json shown = document(page);
+  REQUIRE(shown["flags"].size() == 13);
+  for (std::size_t bit = 0; bit < shown["flags"].size(); ++bit)
+    CHECK(std::vector{shown["flags"][bit].get<std::string>()} == flag_names(1 << bit));
+  CHECK(shown["contacts"] == Json{"none", "heel", "sole", "toe"});
+
+  std::set<std::string> plotted;
+  for (const Json& section : shown["sections"])
+    for (const Json& curve : section["curves"])
+      CHECK(plotted.insert(curve["name"]).second);
+  std::set<std::string> columns{"compute_us", "delay_us"}; // of logs alone
+  for (const auto& [name, values] : shown["motions"][0]["runs"][0]["frames"].items())
+    if (name != "flags")
+      columns.insert(name);
+  CHECK(plotted == columns);
+
+  // from the hip down, left before right, with the motor's limits
+  const Json& torques = shown["sections"][0]["curves"];
+  REQUIRE(torques.size() == 6);
+  CHECK(torques[0] == Json{{"name", "tau_left_hip"},
+                           {"title", "left hip"},
+                           {"unit", "N m"},
+                           {"side", "left"},
+                           {"group", "hip"},
+                           {"bounds", Json::array()}});
+  CHECK(torques[3]["title"] == "right knee");
+  CHECK(torques[4]["title"] == "left ankle");
+  const Json bounded = Json::parse(live_document(load_robot("ck")))["sections"][0]["curves"][1];
+  CHECK(bounded["title"] == "right hip");
+  CHECK(bounded["bounds"] == Json{150.0, -150.0});
+  const Json sole = shown["sections"][1]["curves"][4];
+  const Robot robot = load_robot("human-subject01");
+  const Foot& foot = robot.foot(Side::left);
+  CHECK(sole["title"] == "left foot: centre of pressure");
+  CHECK(sole["bounds"] == Json{foot.heel_x(), foot.toe_x()});
+}
+
 TEST_CASE("the figures of a page are those of compare", "[report]")
 {
   const TemporaryFolder folder;
@@ -215,8 +258,16 @@ TEST_CASE("the figures of a page are those of compare", "[report]")
     for (const char* name : {"answered", "peak", "effort", "jumps", "double_support", "held"})
       CHECK(figures[name] == (*method)[name]);
     REQUIRE(figures["measured"].size() == (*method)["measured"].size());
+    std::set<std::string> titles;
     for (std::size_t i = 0; i < figures["measured"].size(); ++i)
-      CHECK(figures["measured"][i]["rms"] == (*method)["measured"][i]["whole"]["rms"]);
+    {
+      const Json& measured = figures["measured"][i];
+      CHECK(measured["rms"] == (*method)["measured"][i]["whole"]["rms"]);
+      titles.insert(measured["title"].get<std::string>() + ", " + measured["unit"].get<std::string>());
+    }
+    // both feet under one title
+    CHECK(titles ==
+          std::set<std::string>{"forward force, N", "upward force, N", "ankle, N m", "knee, N m", "hip, N m"});
     // 2.2 s at 1.13 m/s, the belt's speed
     CHECK(mismatch(figures["distance"].get<double>(), 2.23 * 1.1314, 0.1) == "");
   }

@@ -91,8 +91,7 @@ public:
   std::string page() const
   {
     const std::lock_guard lock(mutex_);
-    return report_page(fmt::format("live – {}", motion_->robot().name),
-                       fmt::format(R"({{"live":true,"motions":[],"robot":{}}})", robot_document(motion_->robot())));
+    return report_page(fmt::format("live – {}", motion_->robot().name), live_document(motion_->robot()));
   }
   std::string document() const
   {

@@ -20,11 +20,6 @@ constexpr auto kDisplayPatience = 200ms;
 // a stream that has been silent for so long gives way to another one
 constexpr auto kSilence = 500ms;
 
-double microseconds(LiveMotion::Clock::duration duration)
-{
-  return std::chrono::duration<double, std::micro>(duration).count();
-}
-
 // µs; defined whatever times a stranger makes up
 std::uint64_t elapsed(std::int64_t from, std::int64_t to)
 {
@@ -86,7 +81,7 @@ void LiveMotion::hear(const torque_command_t& command, Clock::time_point now)
     return;
   last_answer_ = now;
   sample->answer = to_answer(command);
-  sample->time = {1e-3 * command.compute_ns, microseconds(now - sample->heard)};
+  sample->time = {1e-3 * command.compute_ns, std::chrono::duration<double, std::micro>(now - sample->heard).count()};
 }
 
 void LiveMotion::hear(const rejection_t& rejection)

@@ -62,8 +62,8 @@ struct Liveness
 std::string report_document(const Robot& robot, const std::vector<ReportMotion>& motions,
                             const Resolution& resolution = {}, const std::optional<Liveness>& liveness = {});
 
-/// The robot's part of the document.
-std::string robot_document(const Robot& robot);
+/// The document of a page that asks for others, again and again: of the robot, without a motion.
+std::string live_document(const Robot& robot);
 
 /// A page that needs nothing else: document, style, script and the plotting library in one HTML text.
 std::string report_page(const std::string& title, const std::string& document);

@@ -23,20 +23,11 @@ namespace
 
 constexpr std::array<const char*, 6> kPlates{"FxL", "FzL", "ML", "FxR", "FzR", "MR"};
 
-// "left_ankle": "ankle"
-std::string kind_of(const std::string& actuator)
-{
-  for (const std::string_view side : {"left_", "right_"})
-    if (actuator.starts_with(side))
-      return actuator.substr(side.size());
-  return actuator;
-}
-
 // "left_ankle": "pub_ankleL"; nothing for what is on neither side
 std::string published_column(const std::string& actuator)
 {
-  const std::string kind = kind_of(actuator);
-  return kind == actuator ? "" : fmt::format("pub_{}{}", kind, actuator.starts_with("left_") ? "L" : "R");
+  const auto [side, kind] = sided(actuator);
+  return side ? fmt::format("pub_{}{}", kind, *side == Side::left ? 'L' : 'R') : "";
 }
 
 double measured_number(const std::string& file, std::size_t line, const std::string& column, const std::string& cell)
@@ -96,6 +87,15 @@ std::vector<VectorJ> bottom_up(const Robot& robot, const std::vector<DesiredStat
 
 } // namespace
 
+SidedName sided(const std::string& actuator)
+{
+  for (const Side side : kSides)
+    if (const std::string prefix = fmt::format("{}_", name_of(side));
+        actuator.starts_with(prefix) && actuator.size() > prefix.size())
+      return {side, actuator.substr(prefix.size())};
+  return {std::nullopt, actuator};
+}
+
 double Channel::of(const Answer& answer) const
 {
   const Wrench& wrench = answer.ground[static_cast<std::size_t>(side)].wrench;
@@ -141,7 +141,7 @@ Measured read_measured(std::string_view bytes, const std::string& file, const Ro
   const auto add_moments = [&](int joint, bool published, std::vector<double> values)
   {
     const std::string& name = robot.actuators[static_cast<std::size_t>(joint)].name;
-    channels.push_back({name, kind_of(name), published, "N m", Side::left, -1, joint, std::move(values)});
+    channels.push_back({name, sided(name).kind, published, "N m", Side::left, -1, joint, std::move(values)});
   };
 
   std::vector<std::string> absent;

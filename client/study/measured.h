@@ -20,6 +20,14 @@
 namespace torqued
 {
 
+/// "left_ankle": left, "ankle"; what is on neither side: as it is.
+struct SidedName
+{
+  std::optional<Side> side;
+  std::string kind;
+};
+SidedName sided(const std::string& actuator);
+
 /// One measured quantity along a motion.
 struct Channel
 {

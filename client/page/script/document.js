@@ -1,9 +1,10 @@
 // What the page is about: the document (report_page.h), and which part of it is shown.
 //
-// The document: robot {links, joints, feet}; motions, each with times and poses by frame and the runs that answered it. A
-// run's columns are `frames` by name and, of a motion too long to be held whole, `curves`: the least and the largest value
-// of each stretch, at the times `curve_time`. Of view also `liveness`: the ages, in s, of the last answer and of torqued's
-// last status, and whether that said that torqued was stopping.
+// The document: robot {links, joints, feet}; sections of curves {name, title, unit, side, group, bounds}; names of contacts
+// by number, and of flags by bit; motions, each with times and poses by frame and the runs that answered it. A run's
+// columns are `frames` by name and, of a motion too long to be held whole, `curves`: the least and the largest value of
+// each stretch, at the times `curve_time`. Of view also `liveness`: the ages, in s, of the last answer and of torqued's last
+// status, and whether that said that torqued was stopping.
 
 const bytes = text => {
   const binary = atob(text);
@@ -22,10 +23,7 @@ const column = (table, name) => {
   return decoded.get(text);
 };
 
-const CONTACTS = ['none', 'heel', 'sole', 'toe'];
-const SIDES = ['L', 'R'];
-const FLAGS = ['SLIPS', 'LIFTS', 'TIPS', 'OVER_TORQUE', 'CLAMPED', 'RELAXED', 'INCONSISTENT', 'LATE', 'OVER_RATE', 'PROJECTED',
-  'ADJUSTED', 'CONTACT_ACCELERATION', 'PRIOR'];
+const LETTER = {left: 'L', right: 'R'}; // of a side's columns
 let motions = [], runs = [];
 let begin = 0, end = 1;     // s, of what there is
 let shown = null;           // the run whose torques and forces the robot shows
@@ -33,6 +31,8 @@ let now = 0;                // s
 let view = [0, 1];          // s, what the curves show
 const hidden = new Set();   // runs that are not among the curves, by index
 const layers = {forces: true, measured: true, cones: true, torques: true, poses: true};
+
+const bySide = of => ({left: of('left'), right: of('right')});
 
 // takes a document's motions, and works out what is drawn again and again
 const load = document => {
@@ -44,14 +44,15 @@ const load = document => {
       time: new Float64Array(bytes(motion.time)).map(shift),
       curveTime: motion.curve_time ? new Float64Array(bytes(motion.curve_time)).map(shift) : null,
       poses: new Float32Array(bytes(motion.poses)),
-      contacts: SIDES.map(side => column(motion.frames, 'contact' + side)),
+      contacts: bySide(side => column(motion.frames, 'contact' + LETTER[side])),
     };
   });
   for (const motion of motions) {
     motion.top = topOf(motion);
     motion.path = pathOf(motion);
     motion.strobes = strobesOf(motion);
-    motion.stances = motion.contacts.map(stretches);
+    motion.stances = bySide(side => stretches(motion.contacts[side]).map(([from, to, value]) => [from, to, report.contacts[value]])
+      .filter(stance => stance[2] !== 'none'));
   }
   runs = motions.flatMap(motion => motion.runs.map(run => ({...run, motion})));
   runs.forEach((run, index) => {
@@ -83,6 +84,9 @@ const valueAt = (table, name, frame) => {
   return values ? values[frame] : NaN;
 };
 
+const contactAt = (motion, side, frame) => report.contacts[motion.contacts[side][frame]];
+const isFlagged = (run, name, frame) => (valueAt(run.frames, 'flags', frame) >> report.flags.indexOf(name) & 1) !== 0;
+
 const stretches = values => { // [from, to, value] of equal values, by frame
   const found = [];
   for (let i = 0, from = 0; i < values.length; ++i)
@@ -96,6 +100,6 @@ const endOf = (motion, frame) => motion.time[Math.min(frame + 1, motion.time.len
 const flagRowsOf = run => {
   const values = column(run.frames, 'flags');
   const set = test => stretches(Float32Array.from(values, v => test(v) ? 1 : 0)).filter(stretch => stretch[2] === 1);
-  return [{name: 'no answer', found: set(Number.isNaN)}, ...FLAGS.map((name, bit) => ({name, found: set(v => v >> bit & 1)}))]
+  return [{name: 'no answer', found: set(Number.isNaN)}, ...report.flags.map((name, bit) => ({name, found: set(v => v >> bit & 1)}))]
     .filter(row => row.found.length > 0);
 };

@@ -10,6 +10,7 @@ const text = (value, digits = 4) => {
   const written = magnitude >= 1e6 || magnitude < 1e-3 ? Number(value.toPrecision(3)).toExponential() : String(rounded);
   return written.replace('-', '−');
 };
+const words = name => name.toLowerCase().replace('_', ' ');
 const colour = name => getComputedStyle(document.documentElement).getPropertyValue('--' + name).trim();
 const runColour = run => colour('run-' + run.index % 10);
 const make = (tag, attributes = {}, ...children) => {

@@ -1,7 +1,6 @@
 // The table of figures.
 
 const percent = (part, whole) => whole === 0 ? '–' : `${text(100 * part / whole, 3)} %`;
-const words = name => name.toLowerCase().replace('_', ' ');
 const fillFigures = () => {
   const table = byId('figures');
   table.replaceChildren();
@@ -25,7 +24,7 @@ const fillFigures = () => {
   group('Largest jump of a torque where contacts change, N m', kinds.map(kind =>
     [kind, run => run.figures.jumps[kind] === undefined ? '–' : run.figures.jumps[kind] < 1e-6 ? '0' : text(run.figures.jumps[kind], 3)]));
   const reasons = [...new Set(runs.flatMap(run => Object.keys(run.figures.unanswered)))];
-  const flags = FLAGS.filter(name => runs.some(run => run.figures.flags[name]));
+  const flags = report.flags.filter(name => runs.some(run => run.figures.flags[name]));
   group('Samples', [
     ['answered', run => `${run.figures.answered} of ${run.motion.samples}`],
     ...reasons.map(name => [words(name), run => String(run.figures.unanswered[name] || 0)]),
@@ -37,8 +36,7 @@ const fillFigures = () => {
     for (const run of runs)
       for (const channel of run.figures.measured) {
         if (channel.published !== published || channel.rms === null) continue;
-        const joint = channel.channel.startsWith('tau_') ? channel.channel.slice(4) : null;
-        const name = joint ? `${(paired(joint) || [])[2] || joint}, ${channel.unit}` : {fx: 'forward force, N', fz: 'upward force, N'}[channel.channel.slice(0, 2)];
+        const name = `${channel.title}, ${channel.unit}`;
         if (!channels.has(name)) channels.set(name, new Map());
         channels.get(name).set(run, [...(channels.get(name).get(run) || []), channel]);
       }

@@ -55,16 +55,14 @@ const addSection = title => {
   byId('plots').append(make('section', {class: 'card', 'aria-labelledby': id}, make('h2', {id, text: title}), grid));
   return grid;
 };
-// group: panels that share their range; side: whose contacts are shaded; bounds: lines at numbers that matter
-const addPanel = (grid, {name, title, unit, side = null, group = name, bounds = [], wide = false}) => {
-  if (!runs.some(run => run.frames[name] !== undefined)) return;
+const addPanel = (grid, curve, wide) => {
   const chart = make('div', {class: 'chart'});
   const cursor = make('div', {class: 'cursor'});
-  const plot = make('div', {class: 'plot', role: 'img', 'aria-label': `${title} over time, ${unit}`}, chart, cursor);
+  const plot = make('div', {class: 'plot', role: 'img', 'aria-label': `${curve.title} over time, ${curve.unit}`}, chart, cursor);
   const values = make('span', {class: 'values'});
   grid.append(make('figure', wide ? {class: 'wide'} : {},
-    make('figcaption', {}, make('span', {class: 'title', text: `${title}, ${unit}`}), values), plot));
-  const panel = {name, title, unit, side, group, bounds, chart, cursor, plot, values, dygraph: null};
+    make('figcaption', {}, make('span', {class: 'title', text: `${curve.title}, ${curve.unit}`}), values), plot));
+  const panel = {...curve, chart, cursor, plot, values, dygraph: null};
   panels.push(panel);
   plot.addEventListener('pointerdown', event => {
     pause();
@@ -82,35 +80,14 @@ const addPanel = (grid, {name, title, unit, side = null, group = name, bounds = 
 const timeUnder = (panel, event) => panel.dygraph.toDataXCoord(event.clientX - panel.plot.getBoundingClientRect().left);
 const scrub = (panel, event) => setTime(Math.min(Math.max(timeUnder(panel, event), view[0]), view[1]));
 
-const paired = name => /^(left|right)_(.+)$/.exec(name);
 const buildPanels = () => {
-  const torques = addSection('Joint torques');
-  const kinds = [...new Set(robot.joints.map(joint => (paired(joint.name) || [])[2]).filter(Boolean))];
-  // as they lie in the picture: hip, knee, ankle
-  const order = ['hip', 'knee', 'ankle'];
-  kinds.sort((a, b) => (order.indexOf(a) + 4) % 4 - (order.indexOf(b) + 4) % 4);
-  const bounds = joint => joint.limit === null ? [] : [joint.limit, -joint.limit];
-  for (const kind of kinds)
-    for (const side of ['left', 'right']) {
-      const joint = robot.joints.find(candidate => candidate.name === `${side}_${kind}`);
-      if (joint) addPanel(torques, {name: 'tau_' + joint.name, title: `${side} ${kind}`, unit: joint.unit, side, group: kind, bounds: bounds(joint)});
+  for (const {title, curves} of report.sections) {
+    const grid = addSection(title);
+    for (const curve of curves) {
+      const alone = curve.side !== null && !curves.some(other => other !== curve && other.group === curve.group);
+      if (runs.some(run => run.frames[curve.name] !== undefined)) addPanel(grid, curve, alone);
     }
-  for (const joint of robot.joints)
-    if (!paired(joint.name)) addPanel(torques, {name: 'tau_' + joint.name, title: joint.name, unit: joint.unit, bounds: bounds(joint)});
-
-  const forces = addSection('Ground reactions');
-  for (const [quantity, title, unit] of [['fz', 'upward force', 'N'], ['fx', 'forward force', 'N'], ['cop', 'centre of pressure', 'm']])
-    for (const foot of robot.feet) {
-      const sole = quantity === 'cop' ? [foot.heel[0] - foot.ankle[0], foot.toe[0] - foot.ankle[0]] : [];
-      addPanel(forces, {name: quantity + (foot.side === 'left' ? 'L' : 'R'), title: `${foot.side} foot: ${title}`, unit, side: foot.side, group: quantity, bounds: sole, wide: robot.feet.length === 1});
-    }
-
-  const checks = addSection('How well it fits');
-  addPanel(checks, {name: 'contact_speed', title: 'speed of resting contacts', unit: 'm/s or rad/s'});
-  addPanel(checks, {name: 'contact_residual', title: 'acceleration of resting contacts', unit: 'm/s² or rad/s²'});
-  addPanel(checks, {name: 'dynamics_residual', title: 'residual of the equation of motion', unit: 'N or N m'});
-  addPanel(checks, {name: 'compute_us', title: 'time to compute the answer', unit: 'µs'});
-  addPanel(checks, {name: 'delay_us', title: 'from desired state to answer, at the logger', unit: 'µs'});
+  }
 };
 
 // the range that all panels of a group show; until another run is shown, or other ones are visible
@@ -135,12 +112,11 @@ const findRange = group => {
 const underlay = panel => (pen, area, dygraph) => {
   if (panel.side) {
     const motion = shown.motion;
-    for (const [from, to, value] of motion.stances[panel.side === 'left' ? 0 : 1]) {
-      if (!(value > 0)) continue;
+    for (const [from, to, contact] of motion.stances[panel.side]) {
       const a = Math.max(dygraph.toDomXCoord(motion.time[from]), area.x);
       const b = Math.min(dygraph.toDomXCoord(endOf(motion, to)), area.x + area.w);
       if (b <= a) continue;
-      pen.globalAlpha = value === 2 ? 0.13 : 0.07;
+      pen.globalAlpha = contact === 'sole' ? 0.13 : 0.07;
       pen.fillStyle = colour('contact');
       pen.fillRect(a, area.y, b - a, area.h);
       pen.globalAlpha = 1;

@@ -66,15 +66,14 @@ const drawStrobes = scene => {
 
 // where forces must point so that a foot does not slip
 const drawCone = ({pen, motion, frame, scale, place}, foot) => {
-  const s = foot.side === 'left' ? 0 : 1;
-  const contact = motion.contacts[s][frame];
-  if (!(contact > 0) || !(foot.friction > 0)) return;
-  const cop = valueAt(shown.frames, 'cop' + SIDES[s], frame);
-  const point = contact === 1 ? foot.heel : contact === 3 ? foot.toe : null;
+  const contact = contactAt(motion, foot.side, frame);
+  if (contact === 'none' || !(foot.friction > 0)) return;
+  const cop = valueAt(shown.frames, 'cop' + LETTER[foot.side], frame);
+  const point = contact === 'sole' ? null : foot[contact];
   const tip = place(point ? inWorld(pose(motion, frame, foot.link), point) : onSole(motion, frame, foot, Number.isNaN(cop) ? 0 : cop));
   const tall = 0.34 * robot.leg_length * scale;
   const glow = pen.createLinearGradient(0, tip[1], 0, tip[1] - tall);
-  const ink = colour((valueAt(shown.frames, 'flags', frame) & 1) !== 0 ? 'warning' : 'contact'); // it slips
+  const ink = colour(isFlagged(shown, 'SLIPS', frame) ? 'warning' : 'contact');
   glow.addColorStop(0, ink + '55');
   glow.addColorStop(1, ink + '00');
   pen.fillStyle = glow;
@@ -148,8 +147,7 @@ const arrow = (pen, from, to, width) => {
 
 // the force on a foot, from its centre of pressure; the robot's weight is as long as three quarters of a leg
 const drawForce = ({pen, motion, frame, scale, place}, table, foot, ink, width) => {
-  const side = SIDES[foot.side === 'left' ? 0 : 1];
-  const [fx, fz, cop] = ['fx', 'fz', 'cop'].map(name => valueAt(table, name + side, frame));
+  const [fx, fz, cop] = ['fx', 'fz', 'cop'].map(name => valueAt(table, name + LETTER[foot.side], frame));
   if (Number.isNaN(fx) || Number.isNaN(cop)) return;
   const newton = 0.75 * robot.leg_length / robot.weight * scale; // px
   const from = place(onSole(motion, frame, foot, cop));

@@ -6,32 +6,30 @@ const stripX = (width, t) => STRIP_LEFT + (t - view[0]) / (view[1] - view[0]) * 
 const drawStrip = () => {
   const motion = shown.motion;
   const rows = [
-    ...robot.feet.map(foot => ({name: foot.side + ' foot', foot: foot.side === 'left' ? 0 : 1})),
+    ...robot.feet.map(foot => ({name: foot.side + ' foot', contacts: true, found: motion.stances[foot.side]})),
     ...shown.flagRows,
   ];
   const {pen, width, height} = fitCanvas(byId('strip'), ROW * rows.length + 4);
   pen.font = '11px system-ui, sans-serif';
   pen.textBaseline = 'middle';
-  rows.forEach((row, i) => {
+  rows.forEach(({name, contacts, found}, i) => {
     const y = i * ROW + 2;
     pen.textAlign = 'right';
     pen.fillStyle = colour('quiet');
-    pen.fillText(row.foot === undefined ? row.name.toLowerCase().replace('_', ' ') : row.name, STRIP_LEFT - 8, y + ROW / 2, STRIP_LEFT - 8);
+    pen.fillText(words(name), STRIP_LEFT - 8, y + ROW / 2, STRIP_LEFT - 8);
     pen.fillStyle = colour('grid');
     pen.fillRect(STRIP_LEFT, y + 2, width - STRIP_LEFT - STRIP_RIGHT, ROW - 4);
-    const found = row.foot === undefined ? row.found : motion.stances[row.foot];
-    for (const [from, to, value] of found) {
-      if (row.foot !== undefined && !(value > 0)) continue;
+    for (const [from, to, contact] of found) {
       if (motion.time[from] > view[1] || endOf(motion, to) < view[0]) continue;
       const a = Math.max(stripX(width, motion.time[from]), STRIP_LEFT), b = Math.min(stripX(width, endOf(motion, to)), width - STRIP_RIGHT);
-      pen.fillStyle = colour(row.foot === undefined ? 'warning' : 'contact');
-      pen.globalAlpha = row.foot === undefined || value === 2 ? 0.85 : 0.45;
+      pen.fillStyle = colour(contacts ? 'contact' : 'warning');
+      pen.globalAlpha = !contacts || contact === 'sole' ? 0.85 : 0.45;
       pen.fillRect(a, y + 2, Math.max(b - a, 1), ROW - 4);
       pen.globalAlpha = 1;
-      if (row.foot !== undefined && b - a > 34) {
+      if (contacts && b - a > 34) {
         pen.textAlign = 'center';
-        pen.fillStyle = value === 2 ? colour('card') : colour('text');
-        pen.fillText(CONTACTS[value], (a + b) / 2, y + ROW / 2 + 0.5);
+        pen.fillStyle = contact === 'sole' ? colour('card') : colour('text');
+        pen.fillText(contact, (a + b) / 2, y + ROW / 2 + 0.5);
       }
     }
   });
