@@ -101,31 +101,17 @@ public:
   std::string obstacle() const;
 
 private:
-  struct Leg
-  {
-    int thigh, shin, foot; // links
-  };
-  struct FootMotion;
-  FootMotion carrying_foot(double t, const GaitPhase& phase) const;
-  FootMotion other_foot(double t, const GaitPhase& phase) const;
-  FootMotion roll(const Foot& foot, double foothold, bool about_toe, double from, double to, double t,
-                  const GaitPhase& phase) const;
-  void place_leg(Side side, const FootMotion& foot, double t, DesiredState& state) const;
-  double foothold(int step) const;
-  double pitch_at_lift_off(int step) const;
-  double pitch_at_touch_down(int step) const;
   void plan_phases();
-  std::array<double, 3> hip(double t) const;
+  const GaitPhase& phase_at(double t) const;
+  std::array<double, 3> hip(double t) const; // x of the base point and its derivatives
   void find_periodic_hip_motion();
   void find_hip_motion_from_standing();
   double zmp(double t, const GaitPhase& phase) const;
-  double wished_zmp(double t, const GaitPhase& phase) const;
-  std::vector<const GaitPhase*> different_phases() const;
+  std::vector<const GaitPhase*> different_phases() const; // those that later steps repeat but once
   GaitReport survey() const;
 
   Robot robot_;
   GaitOptions options_;
-  std::array<Leg, 2> legs_;
   std::vector<GaitPhase> phases_;
   double offset_ = 0.0;               // of the base point's x, m
   std::vector<double> cosine_, sine_; // its Fourier coefficients, from the first harmonic, m
