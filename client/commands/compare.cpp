@@ -44,7 +44,7 @@ struct MethodRun
 MethodRun run_method(const Robot& robot, const AnswerSettings& settings, const std::vector<DesiredState>& states,
                      const Changes& changes, std::string name)
 {
-  Answered answered = answer_all(robot, settings, states, settings.methods.method);
+  Answered answered = answer_motion(robot, settings, states, settings.methods.method);
   Outcome outcome = outcome_of(robot, states, answered.answers, changes);
   return {std::move(name), std::move(answered), std::move(outcome)};
 }

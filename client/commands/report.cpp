@@ -174,11 +174,11 @@ std::optional<ReportRun> recorded_run(const Input& input, const Samples& samples
   return run;
 }
 
-// what the daemon would answer, as answer_all() does
+// what the daemon would answer, as answer_motion() does
 ReportRun evaluated_run(const Robot& robot, const AnswerSettings& settings, const std::vector<DesiredState>& states,
                         const std::optional<Method>& by)
 {
-  Answered answered = answer_all(robot, settings, states, by);
+  Answered answered = answer_motion(robot, settings, states, by);
   std::set<std::string_view> methods;
   for (const std::optional<Answer>& answer : answered.answers)
     if (answer && answer->method != Method::none)

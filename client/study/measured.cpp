@@ -36,16 +36,15 @@ double measured_number(const std::string& file, std::size_t line, const std::str
     return NAN;
   const std::optional<double> value = number_in<double>(cell);
   if (!value || std::isinf(*value))
-    throw Failure(ExitCode::bad_data,
-                  fmt::format("{}:{}: column {}: found \"{}\"; expected a finite number, or nan or nothing where there "
-                              "is none",
-                              file, line, column, printable(cell)));
+    fail_in_column(file, line, column, fmt::format("\"{}\"", printable(cell)),
+                   "a finite number, or nan or nothing where there is none");
   return *value;
 }
 
+using Columns = std::map<std::string, std::vector<double>>; // by name
+
 // those of the columns that the file has
-std::map<std::string, std::vector<double>> read_columns(std::string_view text, const std::string& file,
-                                                        const std::vector<KnownColumn>& wanted)
+Columns read_columns(std::string_view text, const std::string& file, const std::vector<KnownColumn>& wanted)
 {
   CsvReader reader(text, file);
   const ColumnNames names = read_column_names(reader, file, wanted);
@@ -53,7 +52,7 @@ std::map<std::string, std::vector<double>> read_columns(std::string_view text, c
   for (const KnownColumn& column : wanted)
     if (const auto found = names.places.find(column.name); found != names.places.end())
       places.insert(*found);
-  std::map<std::string, std::vector<double>> columns;
+  Columns columns;
   CsvLine line;
   while (!places.empty() && reader.next(line))
     for (const auto& [name, place] : places)
@@ -61,9 +60,27 @@ std::map<std::string, std::vector<double>> read_columns(std::string_view text, c
   return columns;
 }
 
+using Plates = decltype(Measured::plates);
+
+// all empty if the file has none of their columns
+Plates take_plates(Columns& columns, const std::string& file)
+{
+  Plates plates;
+  std::vector<const char*> absent;
+  for (std::size_t k = 0; k < kPlates.size(); ++k)
+    if (const auto found = columns.find(kPlates[k]); found != columns.end())
+      plates[k] = std::move(found->second);
+    else
+      absent.push_back(kPlates[k]);
+  if (!absent.empty() && absent.size() < kPlates.size())
+    throw Failure(ExitCode::bad_data,
+                  fmt::format("{}: found no column {}; expected all of FxL, FzL, ML, FxR, FzR, MR, or none of them",
+                              file, absent.front()));
+  return plates;
+}
+
 // the torques, by sample, that the measured wrenches leave to the motors
-std::vector<VectorJ> bottom_up(const Robot& robot, const std::vector<DesiredState>& states,
-                               const std::array<std::vector<double>, 6>& plates)
+std::vector<VectorJ> bottom_up(const Robot& robot, const std::vector<DesiredState>& states, const Plates& plates)
 {
   std::vector<VectorJ> torques;
   for (std::size_t i = 0; i < states.size(); ++i)
@@ -133,31 +150,17 @@ Measured read_measured(std::string_view bytes, const std::string& file, const Ro
   for (const Actuator& actuator : robot.actuators)
     if (const std::string column = published_column(actuator.name); !column.empty())
       wanted.push_back({column, Quantity::moment});
-  auto columns = read_columns(bytes, file, wanted);
+  Columns columns = read_columns(bytes, file, wanted);
 
   Measured measured;
   std::vector<Channel>& channels = measured.channels;
-  auto& plates = measured.plates;
   const auto add_moments = [&](int joint, bool published, std::vector<double> values)
   {
     const std::string& name = robot.actuators[static_cast<std::size_t>(joint)].name;
     channels.push_back({name, sided(name).kind, published, "N m", Side::left, -1, joint, std::move(values)});
   };
-
-  std::vector<std::string> absent;
-  for (std::size_t k = 0; k < kPlates.size(); ++k)
-  {
-    const auto found = columns.find(kPlates[k]);
-    if (found == columns.end())
-      absent.emplace_back(kPlates[k]);
-    else
-      plates[k] = std::move(found->second);
-  }
-  if (!absent.empty() && absent.size() < kPlates.size())
-    throw Failure(ExitCode::bad_data,
-                  fmt::format("{}: found no column {}; expected all of FxL, FzL, ML, FxR, FzR, MR, or none of them",
-                              file, absent.front()));
-  if (absent.empty())
+  const Plates& plates = measured.plates = take_plates(columns, file);
+  if (!plates.front().empty())
   {
     for (const Side side : kSides)
       for (const int component : {0, 1})

@@ -10,7 +10,7 @@ namespace torqued
 namespace
 {
 
-// What feet do together, by a short name.
+// The short name of a phase of a walk.
 std::string_view phase_name(const Support& support)
 {
   const Contact leading = support.of(support.leading), trailing = support.of(support.trailing());
@@ -31,8 +31,8 @@ double power(const Robot& robot, const DesiredState& state, const Answer& answer
 
 } // namespace
 
-Answered answer_all(const Robot& robot, AnswerSettings settings, const std::vector<DesiredState>& states,
-                    const std::optional<Method>& by)
+Answered answer_motion(const Robot& robot, AnswerSettings settings, const std::vector<DesiredState>& states,
+                       const std::optional<Method>& by)
 {
   Answered answered;
   settings.methods.method = by.value_or(settings.methods.method);

@@ -1,4 +1,4 @@
-/// What the answers to a whole motion amount to.
+/// Figures of the answers to a whole motion.
 #pragma once
 
 #include "answer/answer.h"
@@ -23,8 +23,8 @@ struct Answered
   std::map<std::string, std::int64_t> refused; ///< samples by the reason's name
 };
 /// Answers a motion. by: the method, whatever its samples ask for; nothing: as they ask, or else by the settings'.
-Answered answer_all(const Robot& robot, AnswerSettings settings, const std::vector<DesiredState>& states,
-                    const std::optional<Method>& by);
+Answered answer_motion(const Robot& robot, AnswerSettings settings, const std::vector<DesiredState>& states,
+                       const std::optional<Method>& by);
 
 /// The changes of contacts in a motion, by kind: "SSP→DSP1". From one stream to another nothing changes: they are two
 /// motions.
@@ -36,7 +36,7 @@ struct Changes
 };
 Changes find_changes(const std::vector<DesiredState>& states);
 
-/// Samples that were answered, and figures of their torques. Integrals are trapezia between neighbours of one stream
+/// Counts of samples, and figures of their torques. Integrals are sums of trapezia between neighbours of one stream
 /// that are both answered.
 struct Outcome
 {

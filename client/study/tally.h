@@ -1,4 +1,4 @@
-/// How desired states were dealt with, counted.
+/// Counts of answers and rejections, and how they are told.
 #pragma once
 
 #include <cstdint>
@@ -8,7 +8,6 @@
 namespace torqued
 {
 
-/// Answers and rejections, the latter by reason.
 struct Tally
 {
   struct Rejected
