@@ -82,8 +82,9 @@ TEST_CASE("MuJoCo moves every robot as we do", "[mujoco]")
 
 TEST_CASE("MuJoCo has every foot where we have it, and moves it alike", "[mujoco]")
 {
+  int held = 0;
   for_all(
-      [](const Robot& robot, MujocoModel& model, const State& state)
+      [&held](const Robot& robot, MujocoModel& model, const State& state)
       {
         model.inverse(model.tree().motion(state.q, state.v, state.a));
         mj_rnePostConstraint(&model.model(), &model.data());
@@ -94,6 +95,7 @@ TEST_CASE("MuJoCo has every foot where we have it, and moves it alike", "[mujoco
             const Foot& foot = robot.foot(side);
             if (!foot.exists() || robot.is_root(foot) || (contact == Contact::sole && !foot.has_extent()))
               continue;
+            ++held;
             CAPTURE(name_of(side), name);
             const Support contacts = support(robot, side == Side::left ? contact : Contact::none,
                                              side == Side::right ? contact : Contact::none);
@@ -130,6 +132,7 @@ TEST_CASE("MuJoCo has every foot where we have it, and moves it alike", "[mujoco
               CHECK(mismatch(needed(2), -acceleration[1], kTolerance) == "");
           }
       });
+  CHECK(held > 5 * kStates); // at both feet of two robots, and more
 }
 
 TEST_CASE("MuJoCo's armature is our rotor inertia", "[mujoco]")

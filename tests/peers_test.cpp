@@ -27,10 +27,12 @@ constexpr std::array kEngines{bench::make_mujoco, bench::make_dart, bench::make_
 TEST_CASE("Every engine gives the generalized force that we give", "[peers]")
 {
   oracle::Random random(310);
+  int robots = 0;
   for (const Robot& robot : all_kinds_of_robots())
   {
     if (robot.fixed_root())
       continue;
+    ++robots;
     CAPTURE(robot.name);
     for (const auto& make : kEngines)
     {
@@ -51,6 +53,7 @@ TEST_CASE("Every engine gives the generalized force that we give", "[peers]")
       }
     }
   }
+  CHECK(robots >= 4); // ck, rk, human-subject01, rabbit
 }
 
 TEST_CASE("No engine is told of a robot with a fixed root", "[peers]")
