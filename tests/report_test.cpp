@@ -229,6 +229,10 @@ TEST_CASE("a page's document names flags by bit, contacts by number, and the cur
   const Json bounded = Json::parse(live_document(load_robot("ck")))["sections"][0]["curves"][1];
   CHECK(bounded["title"] == "right hip");
   CHECK(bounded["bounds"] == Json{150.0, -150.0});
+  // a motor along a slide has a force
+  const Json of_slide = Json::parse(live_document(load_robot("bip-itlag")))["sections"][0]["curves"][4];
+  CHECK(of_slide["name"] == "tau_r");
+  CHECK(of_slide["unit"] == "N");
   const Json sole = shown["sections"][1]["curves"][4];
   const Robot robot = load_robot("human-subject01");
   const Foot& foot = robot.foot(Side::left);

@@ -26,7 +26,7 @@ namespace
 {
 
 // The names of the columns of a field.
-struct Columns
+struct AnswerColumns
 {
   const std::vector<std::string>& joints;
   const std::vector<std::string>& accelerations; // those of the base point among them
@@ -54,7 +54,7 @@ struct Columns
 };
 
 // Their cells.
-struct Cells
+struct AnswerCells
 {
   const std::vector<double>& accelerations;
   std::vector<std::string> cells;
@@ -84,7 +84,7 @@ struct Cells
 std::vector<std::string> answer_columns(const std::vector<std::string>& joint_names,
                                         const std::vector<std::string>& accelerations)
 {
-  Columns columns{joint_names, accelerations, {}};
+  AnswerColumns columns{joint_names, accelerations, {}};
   const torque_command_t any{};
   for_each_field(columns, any);
   columns.names.emplace_back("rejected");
@@ -93,7 +93,7 @@ std::vector<std::string> answer_columns(const std::vector<std::string>& joint_na
 
 std::vector<std::string> answer_cells(const torque_command_t& command, const std::vector<double>& accelerations)
 {
-  Cells cells{accelerations, {}};
+  AnswerCells cells{accelerations, {}};
   for_each_field(cells, command);
   cells.cells.emplace_back();
   return cells.cells;
