@@ -2,6 +2,7 @@
 #include "matchers.h"
 
 #include "bus/daemons.h"
+#include "commands/status_json.h"
 
 #include <algorithm>
 #include <limits>
@@ -175,6 +176,21 @@ TEST_CASE("whatever a stranger publishes as a status is shown as plain text, and
   const std::vector<Daemon> kept = heard.at(at(0.001));
   CHECK(kept.size() == 100);
   CHECK(std::all_of(kept.begin(), kept.end(), [](const Daemon& one) { return one.status.instance_id >= 900; }));
+}
+
+TEST_CASE("a status for scripts has the message's fields, and names for its state and last reason", "[daemons]")
+{
+  status_t said{};
+  said.state = status_t::RUNNING;
+  said.dropped_upper_bound = -1;
+  said.latency_us_p999 = 12.5;
+  nlohmann::ordered_json json = status_json(said);
+  CHECK(json["state"] == "RUNNING");
+  CHECK(json["dropped_upper_bound"] == -1);
+  CHECK(json["latency_us_p999"] == 12.5);
+  CHECK(json["last_reason"].is_null());
+  said.last_reason = rejection_t::INFEASIBLE;
+  CHECK(status_json(said)["last_reason"] == "INFEASIBLE");
 }
 
 } // namespace daemons_test

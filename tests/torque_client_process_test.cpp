@@ -258,6 +258,18 @@ TEST_CASE("what a callback throws comes out of handle, and the client goes on", 
   expect<torque_command_t>(pair.client.ask(desired, 2s));
 }
 
+TEST_CASE("a client hears its own channels, and none that its prefix would fit as a regular expression",
+          "[torque_client_process]")
+{
+  lcm::LCM bus;
+  TorqueClient client("", "a.b/");
+  model_info_t model = model_of("ck");
+  bus.publish(Channels("axb/").model, &model);
+  CHECK_FALSE(client.wait_for_model(300ms));
+  bus.publish(Channels("a.b/").model, &model);
+  CHECK(client.wait_for_model(5s));
+}
+
 TEST_CASE("a client that restarts is another stream, answered when the old one has been silent",
           "[torque_client_process]")
 {
