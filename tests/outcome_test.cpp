@@ -48,7 +48,7 @@ TEST_CASE("of constant torques the figures are known", "[outcome]")
   CHECK(mismatch(outcome.rms(), std::sqrt(6.0) * 20.0, 1e-12) == "");
   // the shin turns by 1 rad/s against the foot and the thigh; a motor between bar and thigh turns r_c / (r_p + r_c) of
   // it
-  const double kappa = robot.link(robot.actuators[1].against).child_share();
+  const double kappa = robot.link(robot.actuators[1].against).bar_shares().own;
   REQUIRE(robot.actuators[1].placement == Placement::bar_parent);
   CHECK(mismatch(outcome.work, 20.0 * (1.0 + kappa), 1e-12) == "");
 }

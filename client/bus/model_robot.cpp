@@ -51,7 +51,8 @@ public:
     for (int i = 0; i < robot.num_coordinates(); ++i)
       robot.b(i) = model_.b[static_cast<std::size_t>(i)];
     for (int i = 0; i < robot.num_joints(); ++i)
-      if (rolls(robot, robot.actuators[static_cast<std::size_t>(i)]))
+      if (const Link* child = child_of_joint(robot.links, robot.actuators[static_cast<std::size_t>(i)]);
+          child && child->type().bar)
         robot.kappa(i) = robot.actuators[static_cast<std::size_t>(i)].kappa = std::numeric_limits<double>::quiet_NaN();
     robot.model_id = model_.model_id;
     return robot;
@@ -79,11 +80,11 @@ private:
     RobotDescription::LinkEntry entry{{}, {}, {}, static_cast<int>(i) + 1};
     Link& link = entry.link;
     link.name = name(model_.link_names[i], "a link's name");
-    link.joint = kJointKinds[index(model_.joint_kinds[i], kJointKinds.size(), "a link's joint kind")];
+    link.joint = static_cast<JointKind>(index(model_.joint_kinds[i], kJointTypes.size(), "a link's joint kind"));
     const std::int32_t parent = model_.parents[i];
     if (parent >= 0)
       entry.parent = model_.link_names[index(parent, model_.link_names.size(), "a link's parent")];
-    else if (link.joint == JointKind::fixed)
+    else if (link.type().carrier == JointType::Carrier::parent_or_world)
       entry.parent = kWorld;
     link.at = vector(model_.joint_positions[i]);
     link.angle = model_.joint_angles[i];
@@ -122,7 +123,7 @@ private:
       if (share > 0.0)
       {
         entry.on = model_.link_names[k];
-        if (model_.joint_kinds[k] == model_info_t::SLIDE && model_.parents[k] >= 0)
+        if (type_of(static_cast<JointKind>(model_.joint_kinds[k])).slides() && model_.parents[k] >= 0)
           entry.against = model_.link_names[static_cast<std::size_t>(model_.parents[k])];
       }
       else if (share < 0.0)
@@ -155,14 +156,6 @@ private:
       for (int k = 0; k < robot.num_coordinates(); ++k)
         if (robot.A(i, k) != model_.A[static_cast<std::size_t>(i)][static_cast<std::size_t>(k)])
           fail(otherwise);
-  }
-
-  static bool rolls(const Robot& robot, const Actuator& actuator)
-  {
-    const Link& on = robot.link(actuator.on);
-    const Link& against = robot.link(actuator.against);
-    return (on.joint == JointKind::rolling && on.parent == actuator.against) ||
-           (against.joint == JointKind::rolling && against.parent == actuator.on);
   }
 
   const model_info_t& model_;

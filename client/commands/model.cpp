@@ -66,14 +66,11 @@ const std::string& link_name(const Robot& robot, int link)
 std::string joint_details(const Link& link)
 {
   std::string text;
-  if (link.joint == JointKind::rolling)
+  if (link.type().bar)
     text = fmt::format("  radii {:.4g} m of the parent, {:.4g} m of its own", link.parent_radius, link.child_radius);
   if (link.angle == 0.0)
     return text;
-  const std::string_view against = link.joint == JointKind::parallel  ? "against the world"
-                                   : link.joint == JointKind::rolling ? "of the bar"
-                                                                      : "against the parent";
-  return fmt::format("{}{} angle {:.4g} rad {}", text, text.empty() ? " " : ",", link.angle, against);
+  return fmt::format("{}{} angle {:.4g} rad {}", text, text.empty() ? " " : ",", link.angle, link.type().constant);
 }
 
 void print_links(const Robot& robot)
@@ -84,7 +81,7 @@ void print_links(const Robot& robot)
              "name", "parent", "joint", "at (m)", "mass kg", "com (m)", "inertia kg m²");
   for (const Link& link : robot.links)
     fmt::print("  {:<16} {:<16} {:<9} {:<18} {:>8.4g}  {:<18} {:>12.4g}{}\n", link.name, link_name(robot, link.parent),
-               name_of(link.joint), point(link.at), link.mass, point(link.com), link.inertia, joint_details(link));
+               link.type().name, point(link.at), link.mass, point(link.com), link.inertia, joint_details(link));
 }
 
 void print_coordinates(const Robot& robot)
@@ -93,7 +90,7 @@ void print_coordinates(const Robot& robot)
   for (const Link& link : robot.links)
     if (link.coordinate >= 0 && link.coordinate < robot.num_coordinates())
       fmt::print("  {} = {} of {}\n", robot.absolute_names[static_cast<std::size_t>(link.coordinate)],
-                 link.joint == JointKind::slide ? "displacement" : "angle", link.name);
+                 link.type().slides() ? "displacement" : "angle", link.name);
   fmt::print("RELATIVE coordinates\n");
   for (int i = 0; i < robot.num_coordinates(); ++i)
     fmt::print("  {} = {}\n", robot.relative_names[static_cast<std::size_t>(i)], formula(robot, i));
@@ -110,12 +107,6 @@ struct Units
 };
 constexpr Units kTurning{"N m", "N m/s", "kg m²", "N m s/rad", "rad/s"};
 constexpr Units kSliding{"N", "N/s", "kg", "N s/m", "m/s"};
-
-const Units& units_of(const Robot& robot, const Actuator& actuator)
-{
-  const Link& on = robot.link(actuator.on);
-  return on.joint == JointKind::slide && on.parent == actuator.against ? kSliding : kTurning;
-}
 
 // what the columns do not say of an actuator
 std::string actuator_details(const Actuator& actuator, const Units& units)
@@ -146,7 +137,7 @@ void print_actuators(const Robot& robot)
              "name", "on", "against", "torque limit", "rate limit");
   for (const Actuator& actuator : robot.actuators)
   {
-    const Units& units = units_of(robot, actuator);
+    const Units& units = is_force(robot, actuator) ? kSliding : kTurning;
     fmt::print("  {:<16} {:<16} {:<16} {:<14} {}{}\n", actuator.name, link_name(robot, actuator.on),
                link_name(robot, actuator.against), limit(actuator.torque_limit, units.torque),
                limit(actuator.rate_limit, units.rate), actuator_details(actuator, units));

@@ -94,7 +94,7 @@ CoordinateNames coordinate_names(const Robot& robot)
 {
   std::vector<bool> slides(robot.absolute_names.size());
   for (const Link& link : robot.links)
-    if (link.joint == JointKind::slide)
+    if (link.type().slides())
       slides.at(static_cast<std::size_t>(link.coordinate)) = true;
   return coordinate_names(robot.absolute_names, robot.relative_names, robot.base_names, slides,
                           [&robot](std::size_t row, std::size_t column)
@@ -105,8 +105,9 @@ CoordinateNames coordinate_names(const model_info_t& model)
 {
   std::vector<bool> slides(model.absolute_names.size());
   for (std::size_t i = 0; i < model.joint_kinds.size(); ++i)
-    if (const auto at = static_cast<std::size_t>(model.link_coordinates[i]);
-        model.joint_kinds[i] == model_info_t::SLIDE && at < slides.size())
+    if (const auto at = static_cast<std::size_t>(model.link_coordinates[i]),
+        kind = static_cast<std::size_t>(model.joint_kinds[i]);
+        kind < kJointTypes.size() && kJointTypes[kind].slides() && at < slides.size())
       slides[at] = true;
   return coordinate_names(model.absolute_names, model.relative_names, {model.base_names[0], model.base_names[1]},
                           slides, [&model](std::size_t row, std::size_t column) { return model.A[row][column]; });

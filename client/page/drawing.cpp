@@ -62,7 +62,7 @@ Json drawing_of(const Robot& robot)
     links.push_back({{"name", link.name},
                      {"parent", link.parent},
                      {"at", pair(link.at)},
-                     {"rolling", link.joint == JointKind::rolling},
+                     {"rolling", link.type().bar},
                      {"parent_radius", link.parent_radius},
                      {"radius", link.child_radius},
                      {"side", leg ? Json(name_of(*leg)) : Json()},

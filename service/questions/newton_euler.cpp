@@ -1,6 +1,7 @@
 #include "questions/newton_euler.h"
 
 #include <cmath>
+#include <utility>
 
 namespace torqued
 {
@@ -31,15 +32,6 @@ Frame carried(const Frame& by, const Eigen::Vector2d& r, double angle, double ra
   return frame;
 }
 
-// the link whose own angle turns this one
-int turned_by(const Robot& robot, int link)
-{
-  while (link != robot.root() && robot.link(link).joint != JointKind::revolute &&
-         robot.link(link).joint != JointKind::rolling)
-    link = robot.link(link).joint == JointKind::parallel ? robot.root() : robot.link(link).parent;
-  return link;
-}
-
 } // namespace
 
 LinkDynamics link_dynamics(const Link& link, const Eigen::Vector2d& heading, double rate, double gravity)
@@ -59,119 +51,162 @@ LinkDynamics link_dynamics(const Link& link, const Eigen::Vector2d& heading, dou
   return dynamics;
 }
 
-NewtonEuler newton_euler(const Robot& robot, const VectorQ& q, const VectorQ& v, const VectorQ& a,
-                         const std::array<Eigen::Vector3d, 2>& ground)
+namespace
 {
-  const std::size_t links = robot.links.size();
-  std::vector<Frame> frames(links);
-  std::vector<double> slid(links, 0.0); // acceleration sideways
-  NewtonEuler result{std::vector<JointWrench>(links, {{0.0, 0.0}, {0.0, 0.0}, 0.0, 0.0}), {}};
+
+// One run of the recursion over the links of a robot.
+class Recursion
+{
+public:
+  explicit Recursion(const Robot& robot)
+      : robot_(robot), frames_(robot.links.size()), sideways_(robot.links.size(), 0.0),
+        joints_(robot.links.size(), {{0.0, 0.0}, {0.0, 0.0}, 0.0, 0.0}),
+        force_(VectorQ::Zero(robot.mechanism.num_theta()))
+  {
+  }
 
   // from the root outwards: how each frame moves
-  for (const int i : robot.order)
+  void move(const VectorQ& q, const VectorQ& v, const VectorQ& a)
   {
-    const Link& link = robot.link(i);
-    const auto at = static_cast<std::size_t>(i);
-    const int own = link.coordinate;
-    if (i == robot.root())
-    {
-      const double angle = q(own);
-      const Eigen::Vector2d back(std::cos(angle), -std::sin(angle));
-      frames[at] = {{0.0, 0.0}, angle, v(own), a(own), rotate(back, v.tail<2>()), {0.0, 0.0}};
-      frames[at].vdot = rotate(back, a.tail<2>()) - v(own) * perp(frames[at].v);
-      continue;
-    }
-    const Frame& parent = frames[static_cast<std::size_t>(link.parent)];
-    const Frame& root = frames[static_cast<std::size_t>(robot.root())];
-    Frame& frame = frames[at];
-    JointWrench& joint = result.joints[at];
-    slid[at] = slid[static_cast<std::size_t>(link.parent)];
-    switch (link.joint)
-    {
-    case JointKind::floating: break;
-    case JointKind::revolute: frame = carried(parent, link.at, q(own), v(own), a(own)); break;
-    case JointKind::rolling:
-    {
-      // both circles have the same velocity where they touch: (r_p + r_c) γ̇ = r_p φ̇_parent + r_c φ̇
-      const auto mixed = [&link](double of_parent, double of_child)
-      {
-        return link.parent_share() * of_parent + link.child_share() * of_child;
-      };
-      const Frame bar = carried(parent, link.at, mixed(parent.angle, q(own)) + link.angle, mixed(parent.rate, v(own)),
-                                mixed(parent.acceleration, a(own)));
-      frame = carried(bar, {0.0, -link.parent_radius - link.child_radius}, q(own), v(own), a(own));
-      joint.at = bar.p + bar.in_world({0.0, -link.parent_radius});
-      break;
-    }
-    case JointKind::parallel:
-      frame = carried(parent, link.at, root.angle + link.angle, root.rate, root.acceleration);
-      break;
-    case JointKind::slide:
-      frame = carried(parent, link.at, parent.angle, parent.rate, parent.acceleration);
-      slid[at] += a(own);
-      break;
-    case JointKind::fixed:
-      frame = carried(parent, link.at, parent.angle + link.angle, parent.rate, parent.acceleration);
-      break;
-    }
-    if (link.joint != JointKind::rolling)
-      joint.at = frame.p;
+    const int own = robot_.link(robot_.root()).coordinate;
+    const Eigen::Vector2d back(std::cos(q(own)), -std::sin(q(own)));
+    Frame& root = frame(robot_.root());
+    root = {{0.0, 0.0}, q(own), v(own), a(own), rotate(back, v.tail<2>()), {0.0, 0.0}};
+    root.vdot = rotate(back, a.tail<2>()) - v(own) * perp(root.v);
+    for (const int i : robot_.order)
+      if (i != robot_.root())
+        move_link(i, q, v, a);
   }
 
   // what moves each link, its own motion (45) less what the ground does; so far about its origin
-  for (std::size_t i = 0; i < links; ++i)
+  void drive(const std::array<Eigen::Vector3d, 2>& ground)
   {
-    const Link& link = robot.links[i];
-    const Frame& frame = frames[i];
-    const auto [M, C, g] = link_dynamics(link, frame.heading(), frame.rate, robot.mechanism.gravity());
-    const Eigen::Vector3d V(frame.v.x(), frame.v.y(), frame.rate);
-    const Eigen::Vector3d Vdot(frame.vdot.x(), frame.vdot.y(), frame.acceleration);
-    const Eigen::Vector3d f = M * Vdot + C * V + g;
-    JointWrench& joint = result.joints[i];
-    joint.force = frame.in_world(f.head<2>());
-    joint.moment = f(2);
-    joint.sideways = link.mass * slid[i];
-    for (const Side side : kSides)
+    for (int i = 0; i < static_cast<int>(robot_.links.size()); ++i)
     {
-      const Foot& foot = robot.foot(side);
-      if (foot.link != static_cast<int>(i))
-        continue;
-      const Eigen::Vector3d& w = ground[static_cast<std::size_t>(side)];
-      joint.force -= w.head<2>();
-      joint.moment -= w(2) + cross(frame.in_world(foot.ankle_at), w.head<2>());
+      const Link& link = robot_.link(i);
+      const Frame& at = frame(i);
+      const auto [M, C, g] = link_dynamics(link, at.heading(), at.rate, robot_.mechanism.gravity());
+      const Eigen::Vector3d V(at.v.x(), at.v.y(), at.rate);
+      const Eigen::Vector3d Vdot(at.vdot.x(), at.vdot.y(), at.acceleration);
+      const Eigen::Vector3d f = M * Vdot + C * V + g;
+      JointWrench& needed = joint(i);
+      needed.force = at.in_world(f.head<2>());
+      needed.moment = f(2);
+      needed.sideways = link.mass * sideways(i);
+      for (const Side side : kSides)
+      {
+        const Foot& foot = robot_.foot(side);
+        if (foot.link != i)
+          continue;
+        const Eigen::Vector3d& w = ground[static_cast<std::size_t>(side)];
+        needed.force -= w.head<2>();
+        needed.moment -= w(2) + cross(at.in_world(foot.ankle_at), w.head<2>());
+      }
     }
   }
 
-  // from the leaves inwards (34): each link passes on what it needs, about its joint; the moment between two links is
-  // what the angle between them needs
-  VectorQ force = VectorQ::Zero(robot.mechanism.num_theta());
-  for (auto it = robot.order.rbegin(); it != robot.order.rend(); ++it)
+  // from the leaves inwards (34): each link passes on what it needs, about its joint
+  void pass_on()
   {
-    const Link& link = robot.link(*it);
-    const auto i = static_cast<std::size_t>(*it);
-    JointWrench& joint = result.joints[i];
-    joint.moment += cross(frames[i].p - joint.at, joint.force);
-    if (link.joint == JointKind::slide)
-      force(link.coordinate) += joint.sideways;
-    if (*it == robot.root())
-      continue;
-    JointWrench& parent = result.joints[static_cast<std::size_t>(link.parent)];
-    parent.force += joint.force;
-    parent.sideways += joint.sideways;
-    parent.moment += cross(joint.at - frames[static_cast<std::size_t>(link.parent)].p, joint.force);
-    JointWrench& holder =
-        link.joint == JointKind::parallel ? result.joints[static_cast<std::size_t>(robot.root())] : parent;
-    holder.moment += joint.moment;
-    if (link.joint == JointKind::revolute || link.joint == JointKind::rolling)
+    for (auto i = robot_.order.rbegin(); i != robot_.order.rend(); ++i)
     {
-      force(link.coordinate) += joint.moment;
-      force(robot.link(turned_by(robot, link.parent)).coordinate) -= joint.moment;
+      const Link& link = robot_.link(*i);
+      JointWrench& needed = joint(*i);
+      needed.moment += cross(frame(*i).p - needed.at, needed.force);
+      if (link.type().slides())
+        force_(link.coordinate) += needed.sideways;
+      if (*i == robot_.root())
+        continue;
+      JointWrench& parent = joint(link.parent);
+      parent.force += needed.force;
+      parent.sideways += needed.sideways;
+      parent.moment += cross(needed.at - frame(link.parent).p, needed.force);
+      // the bearings between link and parent hold what their motor does not, and the world its share
+      const AngleShares& shares = link.type().angle;
+      parent.moment += (shares.own + shares.parent) * needed.moment;
+      joint(robot_.root()).moment += shares.world * needed.moment;
+      if (link.type().coordinate == JointType::Coordinate::angle)
+      {
+        force_(link.coordinate) += shares.own * needed.moment;
+        add_moment(link.parent, -shares.own * needed.moment);
+      }
     }
+    add_moment(robot_.root(), joint(robot_.root()).moment);
   }
-  const Link& root = robot.link(robot.root());
-  force(root.coordinate) += result.joints[static_cast<std::size_t>(robot.root())].moment;
-  result.torque = joint_torques(robot, force);
-  return result;
+
+  NewtonEuler result() && { return {std::move(joints_), joint_torques(robot_, force_)}; }
+
+private:
+  Frame& frame(int link) { return frames_[static_cast<std::size_t>(link)]; }
+  JointWrench& joint(int link) { return joints_[static_cast<std::size_t>(link)]; }
+  double& sideways(int link) { return sideways_[static_cast<std::size_t>(link)]; }
+
+  // (36): the frame at the joint, or at the far end of a bar, by the shares of its angle
+  void move_link(int i, const VectorQ& q, const VectorQ& v, const VectorQ& a)
+  {
+    const Link& link = robot_.link(i);
+    const JointType& type = link.type();
+    const Frame& parent = frame(link.parent);
+    const Frame& root = frame(robot_.root());
+    const auto own = [&link](const VectorQ& of)
+    {
+      return link.coordinate < 0 ? 0.0 : of(link.coordinate);
+    };
+    const auto carried_at = [&](const Frame& by, const Eigen::Vector2d& r, const AngleShares& shares, double constant)
+    {
+      return carried(by, r, shares.of(own(q), parent.angle, root.angle) + constant,
+                     shares.of(own(v), parent.rate, root.rate),
+                     shares.of(own(a), parent.acceleration, root.acceleration));
+    };
+    if (type.bar)
+    {
+      const Frame bar = carried_at(parent, link.at, link.bar_shares(), link.angle);
+      frame(i) = carried_at(bar, {0.0, -link.parent_radius - link.child_radius}, type.angle, 0.0);
+      joint(i).at = bar.p + bar.in_world({0.0, -link.parent_radius}); // where the circles touch
+    }
+    else
+    {
+      frame(i) = carried_at(parent, link.at, type.angle, link.angle);
+      joint(i).at = frame(i).p;
+    }
+    sideways(i) = sideways(link.parent) + (type.slides() ? own(a) : 0.0);
+  }
+
+  // a moment on a link, as a force on the coordinates that turn it
+  void add_moment(int link, double moment)
+  {
+    const Link& on = robot_.link(link);
+    const AngleShares& shares = on.type().angle;
+    if (link == robot_.root())
+    {
+      force_(on.coordinate) += moment;
+      return;
+    }
+    if (shares.own != 0.0)
+      force_(on.coordinate) += shares.own * moment;
+    if (shares.parent != 0.0)
+      add_moment(on.parent, shares.parent * moment);
+    if (shares.world != 0.0)
+      add_moment(robot_.root(), shares.world * moment);
+  }
+
+  const Robot& robot_;
+  std::vector<Frame> frames_;
+  std::vector<double> sideways_; // accelerations, m/s²
+  std::vector<JointWrench> joints_;
+  VectorQ force_; // by the rows of θ
+};
+
+} // namespace
+
+NewtonEuler newton_euler(const Robot& robot, const VectorQ& q, const VectorQ& v, const VectorQ& a,
+                         const std::array<Eigen::Vector3d, 2>& ground)
+{
+  Recursion recursion(robot);
+  recursion.move(q, v, a);
+  recursion.drive(ground);
+  recursion.pass_on();
+  return std::move(recursion).result();
 }
 
 } // namespace torqued

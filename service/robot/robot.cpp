@@ -97,11 +97,12 @@ private:
     {
       const auto& entry = description_.links[i];
       const bool on_world = entry.parent == kWorld;
-      if (links_[i].joint != JointKind::floating && !on_world)
+      const JointType& joint = links_[i].type();
+      if (joint.carrier != JointType::Carrier::none && !on_world)
         links_[i].parent = link_index(entry.parent, entry, fmt::format("link '{}': parent", links_[i].name));
-      else if (on_world && links_[i].joint != JointKind::fixed)
+      else if (on_world && joint.carrier != JointType::Carrier::parent_or_world)
         fail(entry, fmt::format("link '{}' is {} on the world; a root that does not float is fixed there",
-                                links_[i].name, name_of(links_[i].joint)));
+                                links_[i].name, joint.name));
       else if (root_ >= 0)
         fail(entry, fmt::format("links '{}' and '{}' are both roots; one root carries all others",
                                 links_[static_cast<std::size_t>(root_)].name, links_[i].name));
@@ -133,7 +134,7 @@ private:
   {
     for (std::size_t i = 0; i < links_.size(); ++i)
     {
-      if (links_[i].joint == JointKind::fixed || links_[i].joint == JointKind::parallel)
+      if (!links_[i].type().moves())
         continue;
       links_[i].coordinate = num_theta_++;
       absolute_names_.push_back(description_.links[i].coordinate);
@@ -163,54 +164,54 @@ private:
 
   void place_link(Link& link, const Link& parent, const RobotDescription::LinkEntry& entry)
   {
+    const JointType& joint = link.type();
+    if (joint.angle.world != 0.0 && !fixed_root())
+      fail(entry, fmt::format("link '{}' is parallel to the world, but the root floats: nothing could hold it; the "
+                              "root must be fixed to the world",
+                              link.name));
     link.origin = point_of(parent, link.at);
     link.slides = parent.slides;
-    switch (link.joint)
-    {
-    case JointKind::floating:
-    case JointKind::revolute: break;
-    case JointKind::rolling: place_rolling(link, parent, entry); break;
-    case JointKind::parallel:
-      if (!fixed_root())
-        fail(entry, fmt::format("link '{}' is parallel to the world, but the root floats: nothing could hold it; the "
-                                "root must be fixed to the world",
-                                link.name));
-      link.direction = links_[static_cast<std::size_t>(root_)].direction;
-      link.direction_angle = link.angle;
-      break;
-    case JointKind::slide:
+    if (joint.slides())
       link.slides.push_back(link.coordinate);
-      link.direction = parent.direction;
-      link.direction_angle = parent.direction_angle;
-      break;
-    case JointKind::fixed:
-      link.direction = parent.direction;
-      link.direction_angle = parent.direction_angle + link.angle;
-      break;
+    if (joint.bar)
+      place_bar(link, parent, entry);
+
+    // the link's angle: that of a direction that is there, or a mixture of such
+    const double constant = joint.bar || joint.constant.empty() ? 0.0 : link.angle;
+    if (joint.angle.own != 1.0)
+    {
+      const Link& root = links_[static_cast<std::size_t>(root_)];
+      link.direction = joint.angle.parent == 1.0  ? parent.direction
+                       : joint.angle.world == 1.0 ? root.direction
+                                                  : add_direction(joint.angle, link, parent);
+      link.direction_angle = joint.angle.parent * parent.direction_angle + constant;
     }
   }
 
-  // the bar between the circles' centres is a direction of its own: γ = share_p φ_parent + share_c φ + angle
-  void place_rolling(Link& link, const Link& parent, const RobotDescription::LinkEntry& entry)
+  // the bar between the circles' centres, a direction of its own
+  void place_bar(Link& link, const Link& parent, const RobotDescription::LinkEntry& entry)
   {
     const double length = link.parent_radius + link.child_radius;
     if (!(length > 0.0))
       fail(entry,
            fmt::format("link '{}': parent_radius and child_radius are both 0; that is a revolute joint", link.name));
-    const int bar =
-        add_direction(link.parent_share() * W_.row(parent.direction) + link.child_share() * W_.row(link.coordinate));
-    const double bar_angle = link.parent_share() * parent.direction_angle + link.angle;
-    link.origin.push_back({bar, rotate(unit(bar_angle), {0.0, -length})});
+    const AngleShares shares = link.bar_shares();
+    const double angle = shares.parent * parent.direction_angle + link.angle;
+    link.origin.push_back({add_direction(shares, link, parent), rotate(unit(angle), {0.0, -length})});
   }
 
-  int add_direction(const Eigen::RowVectorXd& row)
+  int add_direction(const AngleShares& shares, const Link& link, const Link& parent)
   {
+    using Row = Eigen::RowVectorXd;
+    const Row own = link.coordinate < 0 ? Row::Zero(num_theta_) : Row(W_.row(link.coordinate));
+    const Row row =
+        shares.of<Row>(own, W_.row(parent.direction), W_.row(links_[static_cast<std::size_t>(root_)].direction));
     W_.conservativeResize(W_.rows() + 1, Eigen::NoChange);
     W_.bottomRows<1>() = row;
     return static_cast<int>(W_.rows()) - 1;
   }
 
-  bool fixed_root() const { return links_[static_cast<std::size_t>(root_)].joint == JointKind::fixed; }
+  bool fixed_root() const { return !links_[static_cast<std::size_t>(root_)].type().floats(); }
 
   static Point point_of(const Link& link, const Eigen::Vector2d& r)
   {
@@ -284,7 +285,7 @@ private:
       actuator.against = entry.against == kWorld ? root_ : link_index(entry.against, entry, role + ": against");
       const Link& on = links_[static_cast<std::size_t>(actuator.on)];
       const Link& against = links_[static_cast<std::size_t>(actuator.against)];
-      if (on.joint == JointKind::slide && on.parent == actuator.against)
+      if (on.type().slides() && on.parent == actuator.against)
         robot.A(row, on.coordinate) = 1.0;
       else
       {
@@ -347,17 +348,12 @@ private:
   {
     if (actuator.placement == Placement::links)
       return 1.0;
-    const Link& on = links_[static_cast<std::size_t>(actuator.on)];
-    const Link& against = links_[static_cast<std::size_t>(actuator.against)];
-    const Link* child = nullptr;
-    if (on.joint == JointKind::rolling && on.parent == actuator.against)
-      child = &on;
-    else if (against.joint == JointKind::rolling && against.parent == actuator.on)
-      child = &against;
-    if (!child)
+    const Link* child = child_of_joint(links_, actuator);
+    if (!child || !child->type().bar)
       fail(entry, fmt::format("actuator '{}': between = \"{}\", but there is no rolling joint between its links",
                               actuator.name, name_of(actuator.placement)));
-    const double kappa = actuator.placement == Placement::bar_parent ? child->child_share() : child->parent_share();
+    const double kappa =
+        actuator.placement == Placement::bar_parent ? child->bar_shares().own : child->bar_shares().parent;
     if (!(kappa > 0.0))
       fail(entry,
            fmt::format("actuator '{}': between = \"{}\", but these two do not turn against each other, because a "
@@ -610,22 +606,23 @@ std::string_view name_of(Side side)
   return side == Side::left ? "left" : "right";
 }
 
-std::string_view name_of(JointKind kind)
-{
-  constexpr std::string_view names[] = {"floating", "revolute", "rolling", "parallel", "slide", "fixed"};
-  return names[static_cast<std::size_t>(kind)];
-}
-
 std::string_view name_of(Placement placement)
 {
   constexpr std::string_view names[] = {"links", "bar-parent", "bar-child"};
   return names[static_cast<std::size_t>(placement)];
 }
 
+const Link* child_of_joint(const std::vector<Link>& links, const Actuator& actuator)
+{
+  const Link& on = links[static_cast<std::size_t>(actuator.on)];
+  const Link& against = links[static_cast<std::size_t>(actuator.against)];
+  return on.parent == actuator.against ? &on : against.parent == actuator.on ? &against : nullptr;
+}
+
 bool is_force(const Robot& robot, const Actuator& actuator)
 {
   const Link& on = robot.link(actuator.on);
-  return on.joint == JointKind::slide && on.parent == actuator.against;
+  return on.type().slides() && on.parent == actuator.against;
 }
 
 Body body_of(const Link& link)

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "planar/mechanism.h"
+#include "robot/joint.h"
 
 #include <algorithm>
 #include <array>
@@ -46,22 +47,6 @@ inline constexpr std::array<Side, 2> kSides{Side::left, Side::right};
 /// "left" or "right".
 std::string_view name_of(Side side);
 
-/// How a link moves with its parent; numbered as in model_info_t.
-enum class JointKind : std::int8_t
-{
-  floating = 0, ///< x, z and an angle against the world: the root
-  revolute = 1, ///< turns about a point of the parent
-  rolling = 2,  ///< its circle rolls without slip on the parent's circle; a massless bar holds the centres together
-  parallel = 3, ///< moves with a point of the parent and does not turn; only with a fixed root
-  slide = 4,    ///< rides on a point of the parent and slides sideways, out of the plane
-  fixed = 5     ///< rides on the parent at a constant angle; the root: on the world, at angle 0
-};
-/// "floating", "revolute", …
-std::string_view name_of(JointKind kind);
-/// All kinds, in the order of their numbers.
-inline constexpr std::array<JointKind, 6> kJointKinds{JointKind::floating, JointKind::revolute, JointKind::rolling,
-                                                      JointKind::parallel, JointKind::slide,    JointKind::fixed};
-
 /// A stroke that draws a link: from, to in the link's frame, width; m.
 struct Segment
 {
@@ -92,11 +77,15 @@ struct Link
   Point origin;                                       ///< its frame's origin
   std::vector<int> slides;                            ///< members of θ that add up to its displacement sideways
 
-  /// Share of the parent's and of the link's own angle in the bar's angle γ; rolling only.
+  const JointType& type() const { return type_of(joint); }
+  /// A bar's angle γ: circles that roll have one velocity where they touch.
   ///
   ///   (r_p + r_c) γ̇ = r_p φ̇_parent + r_c φ̇
-  double parent_share() const { return parent_radius / (parent_radius + child_radius); }
-  double child_share() const { return child_radius / (parent_radius + child_radius); }
+  AngleShares bar_shares() const
+  {
+    const double length = parent_radius + child_radius;
+    return {child_radius / length, parent_radius / length, 0.0};
+  }
 };
 
 /// Between which bodies the actuator of a rolling joint acts; numbered in the order of the file's words.
@@ -207,13 +196,17 @@ struct Robot
   /// Coordinates, the base point and a fixed root not among them.
   int num_coordinates() const { return static_cast<int>(absolute_names.size()); }
   int root() const { return order.front(); }
-  bool fixed_root() const { return links[static_cast<std::size_t>(root())].joint == JointKind::fixed; }
+  bool fixed_root() const { return !link(root()).type().floats(); }
   double weight() const { return mechanism.mass() * mechanism.gravity(); }
   const Foot& foot(Side side) const { return feet[static_cast<std::size_t>(side)]; }
   const Link& link(int index) const { return links[static_cast<std::size_t>(index)]; }
   /// Whether this foot is the fixed root.
   bool is_root(const Foot& foot) const { return fixed_root() && foot.link == root(); }
 };
+
+/// The link that hangs on the other one by the joint at which an actuator acts; null if there is no joint between its
+/// two links.
+const Link* child_of_joint(const std::vector<Link>& links, const Actuator& actuator);
 
 /// Whether a motor is linear, along the slide between its two links: its torque is a force, N.
 bool is_force(const Robot& robot, const Actuator& actuator);
@@ -365,7 +358,7 @@ Robot read_toml_robot(std::string_view text, const std::string& file);
 ///
 /// Rolling joints: two revolute joints A, B with a link without mass and other children between them, of which one
 /// mimics the other by a positive multiplier (turning in the same sense) without offset, roll: that link is the bar
-/// from A to B. By the bar's angle (Link::parent_share()), A turns by r_c / (r_p + r_c) of the angle between parent and
+/// from A to B. By the bar's angle (Link::bar_shares()), A turns by r_c / (r_p + r_c) of the angle between parent and
 /// child, and B by r_p / (r_p + r_c); so if B mimics A the multiplier is r_p / r_c, else it is r_c / r_p. The bar is no
 /// link, and the actuator is named after the joint that mimics nothing. Any other mimic is refused.
 ///

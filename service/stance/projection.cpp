@@ -67,7 +67,7 @@ VectorQ scales(const Robot& robot)
   VectorQ S = VectorQ::Ones(robot.mechanism.num_q());
   S.head(robot.mechanism.num_theta()).setConstant(1.0 / robot.leg_length);
   for (const Link& link : robot.links)
-    if (link.joint == JointKind::slide)
+    if (link.type().slides())
       S(link.coordinate) = 1.0;
   return S;
 }

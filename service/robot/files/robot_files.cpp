@@ -88,7 +88,7 @@ LinkWords words_of(const Robot& robot, const Link& link, Frames frames)
 {
   LinkWords words;
   const std::array<std::string, 2> default_base = RobotDescription().base_names;
-  if (link.joint == JointKind::floating && robot.base_names != default_base)
+  if (link.type().floats() && robot.base_names != default_base)
     words.base = fmt::format("base = [\"{}\", \"{}\"]\n", robot.base_names[0], robot.base_names[1]);
   if (link.coordinate >= 0 && link.coordinate < robot.num_coordinates())
     if (const std::string& name = robot.absolute_names[static_cast<std::size_t>(link.coordinate)]; name != link.name)
@@ -218,17 +218,17 @@ private:
     const Link& parent = robot_.link(link.parent);
     const Eigen::Vector2d at = turned(parent.direction_angle, link.at);
     const std::string name = fresh(joint_names_, actuator_of(link));
-    switch (link.joint)
-    {
-    case JointKind::floating: break;
-    case JointKind::revolute: return add_joint(name, "continuous", parent.name, link.name, at, kTurns);
-    case JointKind::rolling: return add_rolling(link, parent, at, name);
-    case JointKind::parallel:
-      throw FileError(fmt::format("link '{}' is parallel to the world; a URDF cannot say that, and this robot has none",
-                                  link.name));
-    case JointKind::slide: return add_joint(name, "prismatic", parent.name, link.name, at, kSlides);
-    case JointKind::fixed: return add_joint(name, "fixed", parent.name, link.name, at);
-    }
+    const JointType& joint = link.type();
+    if (joint.urdf_type.empty())
+      throw FileError(fmt::format("link '{}' is {}{}; a URDF cannot say that, and this robot has none", link.name,
+                                  joint.name, joint.angle.world != 0.0 ? " to the world" : ""));
+    if (joint.bar)
+      add_rolling(link, parent, at, name);
+    else
+      add_joint(name, joint.urdf_type, parent.name, link.name, at,
+                joint.slides()  ? kSlides
+                : joint.moves() ? kTurns
+                                : std::string());
   }
 
   void add_rolling(const Link& link, const Link& parent, const Eigen::Vector2d& at, const std::string& name)
@@ -238,10 +238,11 @@ private:
           "link '{}' rolls with a radius of 0; a URDF cannot say that: make it a revolute joint", link.name));
     const std::string bar = fresh(link_names_, link.name + "_bar");
     const std::string second = fresh(joint_names_, link.name + "_roll");
-    const double bar_angle = link.parent_share() * parent.direction_angle + link.angle;
+    const double bar_angle = link.bar_shares().parent * parent.direction_angle + link.angle;
     add_massless(bar);
-    add_joint(name, "continuous", parent.name, bar, at, kTurns);
-    add_joint(second, "continuous", bar, link.name, turned(bar_angle, {0.0, -(link.parent_radius + link.child_radius)}),
+    const std::string_view type = link.type().urdf_type;
+    add_joint(name, type, parent.name, bar, at, kTurns);
+    add_joint(second, type, bar, link.name, turned(bar_angle, {0.0, -(link.parent_radius + link.child_radius)}),
               kTurns + fmt::format("    <mimic joint=\"{}\" multiplier=\"{}\"/>\n", name,
                                    link.parent_radius / link.child_radius));
   }
@@ -261,10 +262,8 @@ private:
   // the name of the actuator between a link and its parent, or the link's
   std::string actuator_of(const Link& link) const
   {
-    const int index = static_cast<int>(&link - robot_.links.data());
     for (const Actuator& actuator : robot_.actuators)
-      if ((actuator.on == index && actuator.against == link.parent) ||
-          (actuator.against == index && actuator.on == link.parent))
+      if (child_of_joint(robot_.links, actuator) == &link)
         return actuator.name;
     return link.name;
   }
@@ -300,14 +299,14 @@ std::string to_toml(const Robot& robot)
   for (const Link& link : robot.links)
   {
     const LinkWords words = words_of(robot, link, Frames::own);
-    toml.add("\n[[link]]\nname = \"{}\"\njoint = \"{}\"\n", link.name, name_of(link.joint));
+    toml.add("\n[[link]]\nname = \"{}\"\njoint = \"{}\"\n", link.name, link.type().name);
     if (link.parent >= 0)
       toml.add("parent = \"{}\"\nat = {}\n", robot.link(link.parent).name, vector(link.at));
-    else if (link.joint == JointKind::fixed)
+    else if (!link.type().floats())
       toml.add("parent = \"{}\"\n", kWorld);
     if (link.angle != 0.0)
       toml.add("angle = {}\n", link.angle);
-    if (link.joint == JointKind::rolling)
+    if (link.type().bar)
       toml.add("parent_radius = {}\nchild_radius = {}\n", link.parent_radius, link.child_radius);
     toml.add("{}{}mass = {}\n", words.base, words.coordinate, link.mass);
     if (!link.com.isZero(0.0))

@@ -48,11 +48,6 @@ void read_drawing(StrictTable& table, Link& link)
   }
 }
 
-bool moves(const Link& link)
-{
-  return link.joint != JointKind::fixed && link.joint != JointKind::parallel;
-}
-
 RobotDescription::LinkEntry read_link(StrictTable& table, std::array<std::string, 2>& base_names)
 {
   RobotDescription::LinkEntry entry{{}, {}, {}, table.line()};
@@ -63,26 +58,27 @@ RobotDescription::LinkEntry read_link(StrictTable& table, std::array<std::string
   if (link.name == kWorld)
     table.fail("name", "found \"world\"; that is what a fixed root stands on, and no link");
   std::vector<std::string_view> kinds;
-  for (const JointKind kind : kJointKinds)
-    kinds.push_back(name_of(kind));
-  link.joint = kJointKinds[static_cast<std::size_t>(table.choice("joint", kinds))];
+  for (const JointType& known : kJointTypes)
+    kinds.push_back(known.name);
+  link.joint = static_cast<JointKind>(table.choice("joint", kinds));
+  const JointType& joint = link.type();
 
-  if (link.joint == JointKind::floating)
+  if (joint.floats())
     base_names = read_base(table, base_names);
   else
     entry.parent = name(table, "parent");
-  if (link.joint != JointKind::floating && entry.parent != kWorld)
+  if (!joint.floats() && entry.parent != kWorld)
   {
     link.at = table.vector("at");
-    if (link.joint == JointKind::fixed || link.joint == JointKind::parallel || link.joint == JointKind::rolling)
+    if (!joint.constant.empty())
       link.angle = table.number("angle", 0.0);
   }
-  if (link.joint == JointKind::rolling)
+  if (joint.bar)
   {
     link.parent_radius = table.magnitude("parent_radius");
     link.child_radius = table.magnitude("child_radius");
   }
-  if (moves(link))
+  if (joint.moves())
     entry.coordinate = name(table, "coordinate", link.name);
 
   link.mass = table.magnitude("mass");
@@ -134,9 +130,9 @@ std::string complete_link(StrictTable& table, RobotDescription& description)
        {"joint", "parent", "at", "angle", "parent_radius", "child_radius", "mass", "com", "inertia"})
     if (table.has(key))
       table.fail(key, fmt::format("comes from the URDF, {}:{}; change it there", entry->file, entry->line));
-  if (entry->link.joint == JointKind::floating)
+  if (entry->link.type().floats())
     description.base_names = read_base(table, description.base_names);
-  if (moves(entry->link))
+  if (entry->link.type().moves())
     entry->coordinate = name(table, "coordinate", link);
   read_drawing(table, entry->link);
   table.finish();
