@@ -3,6 +3,7 @@
 #include "states.h"
 
 #include "answer/answer_dynamics.h"
+#include "robot/files/load.h"
 
 #include <functional>
 #include <map>

@@ -3,6 +3,7 @@
 #include "oracles.h"
 
 #include "answer/answer.h"
+#include "robot/files/load.h"
 
 #include <cstring>
 #include <limits>

@@ -1,6 +1,7 @@
 /// Bipeds with as many links as one asks for.
 #pragma once
 
+#include "robot/files/toml_robot.h"
 #include "robot/robot.h"
 
 #include <fmt/format.h>

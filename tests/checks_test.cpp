@@ -2,6 +2,7 @@
 #include "matchers.h"
 #include "oracles.h"
 
+#include "robot/files/load.h"
 #include "stance/checks.h"
 
 namespace checks_test

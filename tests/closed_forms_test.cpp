@@ -3,6 +3,8 @@
 #include "methods/torque_solution.h"
 #include "states.h"
 
+#include "robot/files/load.h"
+
 #include <Eigen/Dense>
 #include <functional>
 #include <numbers>

@@ -3,6 +3,8 @@
 #include "matchers.h"
 #include "oracles.h"
 
+#include "robot/files/load.h"
+#include "robot/files/toml_robot.h"
 #include "wire/codec.h"
 
 #include <functional>

@@ -6,6 +6,7 @@
 
 #include "motion/trajectory.h"
 #include "questions/newton_euler.h"
+#include "robot/files/load.h"
 #include "study/measured.h"
 
 #include <cmath>

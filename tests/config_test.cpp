@@ -8,6 +8,7 @@
 #include "methods/torque_solution.h"
 
 #include "answer/config.h"
+#include "robot/files/load.h"
 #include "robot/files/strict_toml.h"
 #include "temporary_folder.h"
 

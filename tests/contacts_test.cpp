@@ -3,6 +3,7 @@
 #include "methods/torque_solution.h"
 #include "states.h"
 
+#include "robot/files/load.h"
 #include "stance/checks.h"
 #include "stance/contacts.h"
 

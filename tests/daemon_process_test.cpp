@@ -3,6 +3,7 @@
 #include "temporary_folder.h"
 
 #include "motion/files.h"
+#include "robot/files/load.h"
 #include "robot/files/robot_files.h"
 
 #include <fmt/format.h>

@@ -3,6 +3,7 @@
 
 #include "bus/daemons.h"
 #include "commands/status_json.h"
+#include "robot/files/load.h"
 
 #include <algorithm>
 #include <limits>

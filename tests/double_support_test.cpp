@@ -9,6 +9,7 @@
 #include "states.h"
 #include "trunk_wrench.h"
 
+#include "robot/files/toml_robot.h"
 #include "stance/checks.h"
 
 #include <functional>

@@ -3,6 +3,8 @@
 #include "oracles.h"
 
 #include "planar/dynamics.h"
+#include "robot/files/load.h"
+#include "robot/files/toml_robot.h"
 
 namespace dynamics_test
 {

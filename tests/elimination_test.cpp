@@ -6,6 +6,7 @@
 
 #include "questions/elimination.h"
 #include "questions/regressor.h"
+#include "robot/files/load.h"
 
 #include <functional>
 

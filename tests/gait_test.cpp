@@ -8,6 +8,8 @@
 #include "motion/failure.h"
 #include "motion/gait.h"
 #include "motion/trajectory.h"
+#include "robot/files/load.h"
+#include "robot/files/toml_robot.h"
 #include "stance/checks.h"
 
 #include <filesystem>

@@ -9,6 +9,7 @@
 #include "answer/answer.h"
 #include "motion/files.h"
 #include "motion/trajectory.h"
+#include "robot/files/load.h"
 #include "stance/projection.h"
 
 #include <memory>

@@ -2,6 +2,7 @@
 
 #include "daemon/lcm_loop.h"
 #include "daemon/lcm_receiver.h"
+#include "robot/files/load.h"
 
 #include <chrono>
 #include <cstring>

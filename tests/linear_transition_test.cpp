@@ -4,6 +4,7 @@
 #include "methods/torque_solution.h"
 #include "oracles.h"
 
+#include "robot/files/load.h"
 #include "stance/checks.h"
 
 namespace linear_transition_test

@@ -3,6 +3,7 @@
 
 #include "motion/gait.h"
 #include "page/live_motion.h"
+#include "robot/files/load.h"
 
 #include <cmath>
 #include <cstdint>

@@ -5,6 +5,7 @@
 #include "bus/model_robot.h"
 #include "motion/failure.h"
 #include "planar/kinematics.h"
+#include "robot/files/load.h"
 #include "robot/files/strict_toml.h"
 #include "wire/codec.h"
 

@@ -5,6 +5,7 @@
 #include "mujoco_model.h"
 #include "states.h"
 
+#include "robot/files/load.h"
 #include "stance/support_equations.h"
 
 namespace mujoco_test

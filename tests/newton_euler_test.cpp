@@ -4,6 +4,7 @@
 
 #include "planar/dynamics.h"
 #include "questions/newton_euler.h"
+#include "robot/files/load.h"
 #include "stance/contacts.h"
 
 #include <Eigen/Geometry>

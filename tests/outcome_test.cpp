@@ -1,6 +1,7 @@
 #include "catch.h"
 #include "matchers.h"
 
+#include "robot/files/load.h"
 #include "study/outcome.h"
 
 namespace outcome_test

@@ -6,6 +6,7 @@
 
 #include "bench/peers.h"
 #include "planar/dynamics.h"
+#include "robot/files/load.h"
 
 #include <array>
 

@@ -7,6 +7,7 @@
 #include "answer/answer.h"
 #include "motion/lcm_log.h"
 #include "motion/trajectory.h"
+#include "robot/files/load.h"
 #include "stance/projection.h"
 
 #include <cmath>

@@ -3,6 +3,7 @@
 #include "daemon_bench.h"
 #include "flood.h"
 
+#include "robot/files/load.h"
 #include "robot/files/robot_files.h"
 
 #include <algorithm>

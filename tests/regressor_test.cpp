@@ -5,6 +5,7 @@
 
 #include "planar/dynamics.h"
 #include "questions/regressor.h"
+#include "robot/files/load.h"
 #include "stance/joint_friction.h"
 
 namespace regressor_test

@@ -6,6 +6,7 @@
 #include "motion/lcm_log.h"
 #include "motion/trajectory.h"
 #include "page/report_page.h"
+#include "robot/files/load.h"
 #include "robot/files/robot_files.h"
 #include "stance/contacts.h"
 #include "study/answer_table.h"

@@ -4,6 +4,7 @@
 #include "commands/robot_choice.h"
 #include "motion/failure.h"
 #include "motion/lcm_log.h"
+#include "robot/files/load.h"
 #include "wire/codec.h"
 
 #include <filesystem>

@@ -2,7 +2,9 @@
 #include "matchers.h"
 
 #include "planar/kinematics.h"
+#include "robot/files/load.h"
 #include "robot/files/strict_toml.h"
+#include "robot/files/toml_robot.h"
 #include "robot/robot.h"
 
 #include <algorithm>

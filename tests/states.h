@@ -5,6 +5,7 @@
 #include "oracles.h"
 
 #include "questions/equation_of_motion.h"
+#include "robot/files/load.h"
 
 #include <fmt/format.h>
 #include <stdexcept>

@@ -1,6 +1,7 @@
 #include "daemon_bench.h"
 
 #include "library/torque_client.h"
+#include "robot/files/load.h"
 #include "robot/robot.h"
 #include "wire/codec.h"
 

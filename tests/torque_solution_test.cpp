@@ -4,6 +4,8 @@
 #include "methods/torque_solution.h"
 #include "states.h"
 
+#include "robot/files/load.h"
+#include "robot/files/toml_robot.h"
 #include "stance/checks.h"
 
 namespace torque_solution_test

@@ -2,6 +2,7 @@
 #include "matchers.h"
 #include "run_torquectl.h"
 
+#include "robot/files/load.h"
 #include "robot/robot.h"
 #include "study/answer_table.h"
 

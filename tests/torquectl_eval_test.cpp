@@ -5,6 +5,7 @@
 #include "motion/files.h"
 #include "motion/lcm_log.h"
 #include "motion/trajectory.h"
+#include "robot/files/load.h"
 #include "robot/files/robot_files.h"
 #include "run_torquectl.h"
 #include "study/answer_table.h"

@@ -4,6 +4,7 @@
 #include "view_client.h"
 
 #include "motion/files.h"
+#include "robot/files/load.h"
 #include "wire/codec.h"
 
 #include <algorithm>

@@ -4,6 +4,7 @@
 #include "motion/files.h"
 #include "motion/lcm_log.h"
 #include "motion/trajectory.h"
+#include "robot/files/load.h"
 #include "study/measured.h"
 #include "temporary_folder.h"
 

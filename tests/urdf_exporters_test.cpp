@@ -5,6 +5,7 @@
 #include "temporary_folder.h"
 #include "urdf_walker.h"
 
+#include "robot/files/load.h"
 #include "robot/files/robot_files.h"
 
 namespace urdf_exporters_test

@@ -4,7 +4,9 @@
 #include "urdf_walker.h"
 
 #include "planar/kinematics.h"
+#include "robot/files/load.h"
 #include "robot/files/robot_files.h"
+#include "robot/files/urdf_robot.h"
 
 #include <Eigen/Geometry>
 

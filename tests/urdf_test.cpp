@@ -4,8 +4,11 @@
 #include "same_numbers.h"
 #include "temporary_folder.h"
 
+#include "robot/files/load.h"
 #include "robot/files/robot_files.h"
 #include "robot/files/strict_toml.h"
+#include "robot/files/toml_robot.h"
+#include "robot/files/urdf_robot.h"
 
 namespace urdf_test
 {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "robot/files/strict_toml.h"
+#include "robot/files/urdf_robot.h"
 #include "robot/robot.h"
 
 #include <fmt/format.h>

@@ -3,6 +3,7 @@
 #include "temporary_folder.h"
 #include "view_client.h"
 
+#include "robot/files/load.h"
 #include "wire/codec.h"
 
 #include <algorithm>

@@ -5,6 +5,7 @@
 #include "motion/files.h"
 #include "motion/lcm_log.h"
 #include "motion/trajectory.h"
+#include "robot/files/load.h"
 #include "study/measured.h"
 #include "wire/codec.h"
 

@@ -4,6 +4,7 @@
 #include "motion/csv_lines.h"
 #include "motion/files.h"
 #include "motion/trajectory.h"
+#include "robot/files/load.h"
 
 #include <algorithm>
 #include <charconv>

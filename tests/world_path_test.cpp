@@ -2,6 +2,7 @@
 #include "matchers.h"
 
 #include "motion/gait.h"
+#include "robot/files/load.h"
 #include "study/world_path.h"
 
 namespace world_path_test

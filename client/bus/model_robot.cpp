@@ -1,6 +1,7 @@
 #include "bus/model_robot.h"
 
 #include "motion/failure.h"
+#include "robot/assembly.h"
 #include "robot/files/strict_toml.h"
 #include "text/printable.h"
 

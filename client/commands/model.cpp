@@ -2,6 +2,7 @@
 #include "commands/robot_choice.h"
 #include "commands/subcommands.h"
 #include "questions/regressor.h"
+#include "robot/files/load.h"
 #include "robot/files/robot_files.h"
 #include "robot/files/strict_toml.h"
 #include "text/printable.h"

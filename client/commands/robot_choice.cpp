@@ -7,6 +7,7 @@
 #include "motion/table_text.h"
 #include "text/number.h"
 #include "text/plain_text.h"
+#include "robot/files/load.h"
 #include "text/printable.h"
 #include "wire/codec.h"
 

@@ -2,6 +2,7 @@
 
 #include "commands/subcommands.h"
 #include "motion/files.h"
+#include "robot/files/load.h"
 #include "robot/files/strict_toml.h"
 #include "text/printable.h"
 #include "wire/lcm_bus.h"

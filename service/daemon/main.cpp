@@ -2,6 +2,7 @@
 #include "daemon/lcm_loop.h"
 #include "daemon/lcm_receiver.h"
 #include "daemon/multicast_receiver.h"
+#include "robot/files/load.h"
 #include "robot/files/strict_toml.h"
 #include "text/printable.h"
 #include "wire/bus_url.h"

@@ -5,6 +5,7 @@
 #include <bit>
 #include <cstdint>
 #include <string_view>
+#include <type_traits>
 
 namespace torqued
 {
@@ -19,6 +20,9 @@ public:
     for (int byte = 0; byte < 8; ++byte)
       add_byte(static_cast<unsigned char>(value >> (8 * byte)));
   }
+  template <typename Enum>
+  requires std::is_enum_v<Enum>
+  void add(Enum value) { add(static_cast<int>(value)); }
   void add(int value) { add(static_cast<std::uint64_t>(static_cast<std::int64_t>(value))); }
   void add(double value) { add(std::bit_cast<std::uint64_t>(value == 0.0 ? 0.0 : value)); }
   void add(const Eigen::Vector2d& value)

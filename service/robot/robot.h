@@ -12,6 +12,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <tuple>
 #include <vector>
 
 namespace torqued
@@ -70,6 +71,12 @@ struct Link
   double inertia = 0.0; ///< about the centre of mass, kg m²
   std::vector<Segment> drawing;
 
+  /// What the model_id is made of, in this order.
+  auto facts() const
+  {
+    return std::tie(name, parent, joint, at, angle, parent_radius, child_radius, mass, com, inertia);
+  }
+
   int coordinate = -1; ///< its member of θ: an angle; slide: a displacement, m; −1 if it has none of its own
   int direction = -1;  ///< the mechanism's direction that turns it
   double direction_angle = 0.0;                       ///< its angle against that direction, rad
@@ -121,6 +128,32 @@ struct Actuator
   double offset = 0.0;            ///< what its coordinate adds to its angle, rad
 };
 
+/// A number of an actuator, as files name it; what they do not say is as in Actuator().
+struct ActuatorNumber
+{
+  enum class Range
+  {
+    any,
+    not_negative,
+    positive
+  };
+  std::string_view key;
+  double Actuator::*value;
+  Range range;
+};
+/// All of them but κ and the offset, in the order of files and of the model_id.
+inline constexpr std::array<ActuatorNumber, 9> kActuatorNumbers{{
+    {"torque_limit", &Actuator::torque_limit, ActuatorNumber::Range::not_negative},
+    {"rate_limit", &Actuator::rate_limit, ActuatorNumber::Range::not_negative},
+    {"rotor_inertia", &Actuator::rotor_inertia, ActuatorNumber::Range::not_negative},
+    {"coulomb", &Actuator::coulomb, ActuatorNumber::Range::not_negative},
+    {"viscous", &Actuator::viscous, ActuatorNumber::Range::not_negative},
+    {"stribeck", &Actuator::stribeck, ActuatorNumber::Range::not_negative},
+    {"stribeck_velocity", &Actuator::stribeck_velocity, ActuatorNumber::Range::positive},
+    {"friction_offset", &Actuator::friction_offset, ActuatorNumber::Range::any},
+    {"stick_velocity", &Actuator::stick_velocity, ActuatorNumber::Range::not_negative},
+}};
+
 /// A foot: where it can touch the ground. A foot without extent has heel = toe = ankle and no sole.
 struct Foot
 {
@@ -144,6 +177,9 @@ struct Foot
   Eigen::Vector2d to_heel = Eigen::Vector2d::Zero(), to_toe = to_heel;
   std::vector<TorqueShare> torque_shares = {}; ///< all that are not 0, joint by joint
 
+  /// What the model_id is made of besides the link, in this order.
+  auto facts() const { return std::tie(ankle_at, heel_at, toe_at, friction, f_min); }
+
   bool exists() const { return link >= 0; }
   bool has_extent() const { return heel_at != toe_at; }
   /// Height of the ankle above the sole, h_p.
@@ -153,7 +189,7 @@ struct Foot
   double toe_x() const { return toe_at.x() - ankle_at.x(); }
 };
 
-/// A robot as computed with; built by assemble() from a description, constant from then on.
+/// A robot as computed with; built by assemble() (assembly.h) from a description, constant from then on.
 ///
 /// Coordinates ABSOLUTE are the angles of the links against the world (and displacements of slides) in the file's
 /// order. Coordinates RELATIVE are the actuators' angles, without κ, in their order, then that of a floating root:
@@ -183,12 +219,12 @@ struct Robot
   /// B⁺ of joint_torques(): rows of joints, columns of θ; the rest 0.
   Eigen::Matrix<double, kMaxJoints, kMaxCoordinates> B_inverse = B_inverse.Zero();
   bool joint_friction = false; ///< whether any motor has a rotor or friction, joint_friction.h
-  double leg_length = 0.0;     ///< a length of the robot's size, m: see assemble()
+  double leg_length = 0.0;     ///< a length of the robot's size, m: assembly.h
   /// The link in the middle of the way from foot to foot, the nearer one to the right foot of two; −1 without two feet.
   /// Both legs carry it, and what hangs on it. A leg is what is left on the way to a foot, with all that hangs there.
   int trunk = -1;
   std::vector<std::optional<Side>> leg = {}; ///< of each link: whose leg it is part of
-  std::int64_t model_id = 0; ///< FNV-1a of everything above that is more than a comment or a drawing; never 0
+  std::int64_t model_id = 0;                 ///< model_id_of()
   /// What the user should know about how the robot's file was read: a line each, which begins with the file's name.
   std::vector<std::string> notes = {};
 
@@ -210,6 +246,9 @@ const Link* child_of_joint(const std::vector<Link>& links, const Actuator& actua
 
 /// Whether a motor is linear, along the slide between its two links: its torque is a force, N.
 bool is_force(const Robot& robot, const Actuator& actuator);
+
+/// FNV-1a of all that a description says, names among it, but comments and drawings; never 0.
+std::int64_t model_id_of(const Robot& robot);
 
 /// A link as a body of the mechanism.
 Body body_of(const Link& link);
@@ -253,135 +292,5 @@ template <typename Force> VectorJ joint_torques(const Robot& robot, const Force&
 
 /// B: the whole matrix, num_q() × num_joints(); the rows of the base point are zero.
 Bounded<kMaxCoordinates, kMaxJoints> input_matrix(const Robot& robot);
-
-/// A number of a URDF that would change torques and that no robot takes from there, because a TOML file says it.
-struct UnreadValue
-{
-  std::string element, attribute; ///< attribute: empty if the element has none that says more
-  std::string value;
-  std::string_view key; ///< of an [[actuator]]; empty: nothing of ours says it
-};
-
-/// What a robot file says, names not yet resolved. Lines are those of the file, for complaints.
-struct RobotDescription
-{
-  struct LinkEntry
-  {
-    Link link;
-    std::string parent; ///< "world" for a fixed root
-    std::string coordinate;
-    int line;
-    std::string file = {}; ///< whose line that is; empty: the description's
-  };
-  struct ActuatorEntry
-  {
-    Actuator actuator;
-    std::string on, against, coordinate; ///< against: "world" for the world
-    double offset;
-    int line;
-    std::string file = {}; ///< as a link's
-  };
-  struct FootEntry
-  {
-    Foot foot;
-    std::string link;
-    int line;
-  };
-  /// What a URDF says of a joint's motor.
-  struct UnreadEntry
-  {
-    std::string joint, on, against; ///< the links between which the joint's actuator acts
-    std::vector<UnreadValue> values;
-    std::string file;
-    int line;
-  };
-
-  /// A joint of a URDF whose coordinate, that of the link `on` against `against`, has the opposite sign here.
-  struct OppositeEntry
-  {
-    std::string joint, on, against;
-    bool slides;
-    std::string file;
-  };
-
-  std::string file;
-  std::string name, source;
-  double gravity;
-  std::array<std::string, 2> base_names{"x", "z"};
-  std::vector<LinkEntry> links;
-  std::vector<ActuatorEntry>
-      actuators;               ///< if empty: one for each joint that moves, turning the child against its parent
-  std::vector<FootEntry> feet; ///< two; one or two, one of them on the root, if that is fixed; or none
-  std::vector<UnreadEntry> unread = {};
-  std::vector<OppositeEntry> opposite = {};
-  std::vector<std::string> notes = {}; ///< what to know about how the file was read, a line each
-};
-
-/// Builds a robot; its notes are the description's, one for each unread entry, and one of all opposite signs. Throws
-/// FileError (strict_toml.h) with file, line and what would be right.
-///
-/// Its leg length is the distance from the base point to the ankle of the straight robot (all angles 0), the longer
-/// leg's; with a fixed root, or without feet, the longest way along the links from the base point to a centre of mass,
-/// or 1 m if there is none.
-Robot assemble(const RobotDescription& description);
-
-/// Reads a robot from TOML text; file is the name used in complaints. Throws FileError.
-///
-/// With the key `urdf`, the path of a URDF as seen from the file's folder, links and joints are those of the URDF. A
-/// [[link]] then names one of them and may add a coordinate's name, the base point's names and a drawing.
-Robot read_toml_robot(std::string_view text, const std::string& file);
-
-/// Reads the links and joints of a URDF, and an actuator for each joint that moves, named like the joint and in the
-/// file's order; gravity is 9.81. Throws FileError.
-///
-/// A revolute, continuous, prismatic or fixed joint is read as what it is. All turning axes must be parallel to ±y of
-/// the root when all joints are at 0, and so must those along which something slides. Exporters round angles: a frame
-/// or an axis within 10⁻⁴ rad of the plane is turned into it by the smallest angle, and a note says how far.
-///
-/// Root: a link that is no child floats. If it is called "world", which need not be declared, it stands for the world
-/// and has one child, the root, by a joint that is floating, planar about y, or fixed. The root floats, too, at the end
-/// of two prismatic joints in the plane and one that turns about y, in any order, from the world or another link that
-/// is no child; like a link that carries the root by a floating or planar joint, all links there must have no mass, and
-/// are none of the robot's. What is fixed to the world and moves nothing is passed over.
-///
-/// Frames: all are turned so that they are aligned with the world's (without one, with the root's) when all joints are
-/// at 0, and projected on the x-z plane; no constant angles remain. What lies sideways does not enter planar dynamics
-/// and is dropped. Of an inertia tensor only the moment about y enters.
-///
-/// Signs: URDF turns by the right hand about an axis; about +y that is clockwise in our picture. An actuator's angle
-/// here is that of child − parent, counter-clockwise, whatever the sign of the joint's axis; so it equals the URDF's
-/// joint angle where the axis is −y, and is its negative where it is +y. A displacement is along +y, whatever the sign
-/// of the axis. A note names the joints whose sign is turned.
-///
-/// Masses: a note names a body that a joint moves and that has none, all links fixed to it included, and a tensor of
-/// inertia that no body has; both are read as they are.
-///
-/// Rolling joints: two revolute joints A, B with a link without mass and other children between them, of which one
-/// mimics the other by a positive multiplier (turning in the same sense) without offset, roll: that link is the bar
-/// from A to B. By the bar's angle (Link::bar_shares()), A turns by r_c / (r_p + r_c) of the angle between parent and
-/// child, and B by r_p / (r_p + r_c); so if B mimics A the multiplier is r_p / r_c, else it is r_c / r_p. The bar is no
-/// link, and the actuator is named after the joint that mimics nothing. Any other mimic is refused.
-///
-/// Limits and friction of a URDF's joints (<limit>, <dynamics>, <safety_controller>), and gears and rotors of its
-/// <transmission>, are not read: limits, friction, rotors and feet come from a TOML file that names the URDF, and are
-/// otherwise none. A note names what is there and would change torques, unless the TOML says it: friction (coulomb) and
-/// damping (viscous), effort (torque_limit), and N and I of a gear (rotor_inertia, N² I).
-///
-/// What is only seen or touched (<visual>, <collision>, <material>) is passed over, and so are elements and attributes
-/// that URDF does not have (<mujoco>, <gazebo>, <drake:…>, …), which one note lists. What might be mechanics in them
-/// (<gazebo><springStiffness>) has a note that it has no effect. Elements of URDF's own level whose name speaks of
-/// mechanics (<loop_joint>, <force_element>, …) or looks like a slip of the pen (<inertail>) are refused.
-RobotDescription read_urdf(std::string_view text, const std::string& file);
-
-/// Reads a robot without feet from a URDF as such. Throws FileError; a fixed root, too, needs a TOML file, which says
-/// which foot it is.
-Robot read_urdf_robot(std::string_view text, const std::string& file);
-
-/// The robots that ship: names, and a shipped robot's TOML; empty if there is none of that name.
-std::vector<std::string_view> shipped_robot_names();
-std::string_view shipped_robot_toml(std::string_view name);
-
-/// Loads a robot that ships, by its name, or a .toml or .urdf file, by its path. Throws FileError.
-Robot load_robot(const std::string& name_or_path);
 
 } // namespace torqued

@@ -13,6 +13,7 @@
 #include "motion/trajectory.h"
 #include "planar/dynamics.h"
 #include "questions/elimination.h"
+#include "robot/files/load.h"
 
 #include <Eigen/Cholesky>
 #include <algorithm>

@@ -7,6 +7,7 @@
 #include "motion/files.h"
 #include "motion/lcm_log.h"
 #include "motion/trajectory.h"
+#include "robot/files/load.h"
 
 #include <fmt/format.h>
 #include <lcm/lcm-cpp.hpp>

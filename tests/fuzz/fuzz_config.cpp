@@ -1,6 +1,7 @@
 #include "require.h"
 
 #include "answer/config.h"
+#include "robot/files/load.h"
 #include "robot/files/robot_files.h"
 #include "robot/files/strict_toml.h"
 

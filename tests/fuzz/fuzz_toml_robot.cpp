@@ -1,4 +1,5 @@
 #include "robot/files/strict_toml.h"
+#include "robot/files/toml_robot.h"
 #include "robot_fuzz.h"
 
 #include <cstddef>

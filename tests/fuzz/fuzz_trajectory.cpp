@@ -6,6 +6,7 @@
 #include "motion/files.h"
 #include "motion/lcm_log.h"
 #include "motion/trajectory.h"
+#include "robot/files/load.h"
 #include "robot/files/robot_files.h"
 #include "wire/finite.h"
 

@@ -4,6 +4,7 @@
 
 #include "planar/dynamics.h"
 #include "robot/files/robot_files.h"
+#include "robot/files/toml_robot.h"
 
 #include <exception>
 #include <fmt/format.h>

@@ -1,6 +1,7 @@
 #include "robot/files/robot_files.h"
 
-#include "robot/files/strict_toml.h"
+#include "robot/description.h"
+#include "robot/files/text_file.h"
 
 #include <algorithm>
 #include <cmath>
@@ -122,15 +123,8 @@ void add_actuators(Writer& toml, const Robot& robot, Frames frames)
     add_unless("offset", frames == Frames::aligned ? robot.b(i) : actuator.offset, 0.0);
     if (actuator.placement != Placement::links)
       toml.add("between = \"{}\"\n", name_of(actuator.placement));
-    add_unless("torque_limit", actuator.torque_limit, INFINITY);
-    add_unless("rate_limit", actuator.rate_limit, INFINITY);
-    add_unless("rotor_inertia", actuator.rotor_inertia, 0.0);
-    add_unless("coulomb", actuator.coulomb, 0.0);
-    add_unless("viscous", actuator.viscous, 0.0);
-    add_unless("stribeck", actuator.stribeck, 0.0);
-    add_unless("stribeck_velocity", actuator.stribeck_velocity, 1.0);
-    add_unless("friction_offset", actuator.friction_offset, 0.0);
-    add_unless("stick_velocity", actuator.stick_velocity, 0.0);
+    for (const auto& [key, value, range] : kActuatorNumbers)
+      add_unless(key, actuator.*value, Actuator().*value);
   }
 }
 

@@ -1,10 +1,11 @@
 /// TOML read strictly: every key is asked for, every value is checked, and every complaint says file, line and key.
 #pragma once
 
+#include "robot/files/text_file.h"
+
 #include <Eigen/Core>
 #include <array>
 #include <optional>
-#include <stdexcept>
 #include <string>
 #include <string_view>
 #include <toml++/toml.h>
@@ -12,17 +13,6 @@
 
 namespace torqued
 {
-
-/// A file, or a value in it, that cannot be used. what() is one line:
-/// "FILE:LINE: KEY: what was found; what would be right".
-class FileError : public std::runtime_error
-{
-public:
-  using std::runtime_error::runtime_error;
-};
-
-/// A file's text. Throws FileError if it cannot be read or is larger than any file we take (1 MB).
-std::string read_text_file(const std::string& path);
 
 /// Parses TOML. file: the name used in complaints. Throws FileError.
 toml::table parse_toml(std::string_view text, const std::string& file);

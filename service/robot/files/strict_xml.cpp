@@ -1,6 +1,6 @@
 #include "robot/files/strict_xml.h"
 
-#include "robot/files/strict_toml.h"
+#include "robot/files/text_file.h"
 #include "text/printable.h"
 
 #include <algorithm>

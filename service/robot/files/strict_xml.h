@@ -1,5 +1,5 @@
 /// XML read strictly: every attribute and element is asked for or skipped by name, every value is checked, and every
-/// complaint says file, line and key. Complaints are FileError (strict_toml.h).
+/// complaint says file, line and key. Complaints are FileError (text_file.h).
 #pragma once
 
 #include <Eigen/Core>

@@ -1,6 +1,9 @@
+#include "robot/files/toml_robot.h"
+
+#include "robot/assembly.h"
 #include "robot/files/strict_toml.h"
+#include "robot/files/urdf_robot.h"
 #include "robot/files/urdf_unread.h"
-#include "robot/robot.h"
 #include "text/printable.h"
 
 #include <algorithm>
@@ -162,17 +165,13 @@ RobotDescription::ActuatorEntry read_actuator(StrictTable& table)
   for (const Placement placement : {Placement::links, Placement::bar_parent, Placement::bar_child})
     placements.push_back(name_of(placement));
   actuator.placement = static_cast<Placement>(table.choice("between", placements, 0));
-  actuator.torque_limit = table.magnitude("torque_limit", actuator.torque_limit);
-  actuator.rate_limit = table.magnitude("rate_limit", actuator.rate_limit);
-  actuator.rotor_inertia = table.magnitude("rotor_inertia", 0.0);
-  actuator.coulomb = table.magnitude("coulomb", 0.0);
-  actuator.viscous = table.magnitude("viscous", 0.0);
-  actuator.stribeck = table.magnitude("stribeck", 0.0);
-  actuator.stribeck_velocity = table.number("stribeck_velocity", 1.0);
-  if (!(actuator.stribeck_velocity > 0.0))
-    table.fail("stribeck_velocity", fmt::format("found {}; expected a positive number", actuator.stribeck_velocity));
-  actuator.friction_offset = table.number("friction_offset", 0.0);
-  actuator.stick_velocity = table.magnitude("stick_velocity", 0.0);
+  for (const auto& [key, value, range] : kActuatorNumbers)
+  {
+    double& number = actuator.*value;
+    number = range == ActuatorNumber::Range::not_negative ? table.magnitude(key, number) : table.number(key, number);
+    if (range == ActuatorNumber::Range::positive && !(number > 0.0))
+      table.fail(key, fmt::format("found {}; expected a positive number", number));
+  }
   table.finish();
   return entry;
 }

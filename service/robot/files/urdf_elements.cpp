@@ -1,5 +1,5 @@
-#include "robot/files/strict_toml.h"
 #include "robot/files/strict_xml.h"
+#include "robot/files/text_file.h"
 #include "robot/files/urdf_model.h"
 #include "robot/files/urdf_unread.h"
 #include "text/printable.h"

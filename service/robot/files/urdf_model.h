@@ -1,7 +1,7 @@
 /// A URDF on its way to a robot: its links and joints, and what each step finds out about them.
 #pragma once
 
-#include "robot/robot.h"
+#include "robot/description.h"
 
 #include <Eigen/Core>
 #include <map>

@@ -1,6 +1,8 @@
-#include "robot/files/strict_toml.h"
+#include "robot/files/urdf_robot.h"
+
+#include "robot/assembly.h"
+#include "robot/files/text_file.h"
 #include "robot/files/urdf_model.h"
-#include "robot/robot.h"
 #include "text/printable.h"
 
 #include <algorithm>

@@ -1,7 +1,7 @@
 /// What stands in a URDF and is not read: motors' numbers, which a TOML file says, and vendors' words.
 #pragma once
 
-#include "robot/robot.h"
+#include "robot/description.h"
 
 #include <optional>
 #include <string>
