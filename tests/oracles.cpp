@@ -1,6 +1,7 @@
 #include "oracles.h"
 
 #include "decompositions.h"
+#include "robot/assembly.h"
 
 #include <Eigen/Geometry>
 #include <algorithm>

@@ -121,14 +121,19 @@ public:
       parent.force += needed.force;
       parent.sideways += needed.sideways;
       parent.moment += cross(needed.at - frame(link.parent).p, needed.force);
-      // the bearings between link and parent hold what their motor does not, and the world its share
-      const AngleShares& shares = link.type().angle;
-      parent.moment += (shares.own + shares.parent) * needed.moment;
-      joint(robot_.root()).moment += shares.world * needed.moment;
-      if (link.type().coordinate == JointType::Coordinate::angle)
+      const JointType& type = link.type();
+      if (type.coordinate == JointType::Coordinate::angle)
       {
-        force_(link.coordinate) += shares.own * needed.moment;
-        add_moment(link.parent, -shares.own * needed.moment);
+        // between link and parent: the angle between them needs it
+        parent.moment += needed.moment;
+        add_moment(*i, needed.moment);
+        add_moment(link.parent, -needed.moment);
+      }
+      else
+      {
+        // what holds the angle does no work: each gives it by its share
+        parent.moment += type.angle.parent * needed.moment;
+        joint(robot_.root()).moment += type.angle.world * needed.moment;
       }
     }
     add_moment(robot_.root(), joint(robot_.root()).moment);

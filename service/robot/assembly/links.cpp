@@ -137,15 +137,13 @@ private:
       place_bar(link, parent, entry);
 
     // the link's angle: that of a direction that is there, or a mixture of such
-    const double constant = joint.bar || joint.constant.empty() ? 0.0 : link.angle;
-    if (joint.angle.own != 1.0)
-    {
-      const Link& root = at(root_);
-      link.direction = joint.angle.parent == 1.0  ? parent.direction
-                       : joint.angle.world == 1.0 ? root.direction
-                                                  : add_direction(joint.angle, link, parent);
-      link.direction_angle = joint.angle.parent * parent.direction_angle + constant;
-    }
+    const auto& [own, of_parent, of_world] = joint.angle;
+    link.direction = own == 1.0 && of_parent == 0.0 && of_world == 0.0   ? link.coordinate
+                     : own == 0.0 && of_parent == 1.0 && of_world == 0.0 ? parent.direction
+                     : own == 0.0 && of_parent == 0.0 && of_world == 1.0 ? at(root_).direction
+                                                                         : add_direction(joint.angle, link, parent);
+    link.direction_angle =
+        of_parent * parent.direction_angle + (joint.bar || joint.constant.empty() ? 0.0 : link.angle);
   }
 
   // the bar between the circles' centres, a direction of its own

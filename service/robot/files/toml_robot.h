@@ -1,4 +1,4 @@
-/// Robots in TOML.
+/// Robots written in TOML.
 #pragma once
 
 #include "robot/robot.h"
