@@ -28,7 +28,7 @@ struct Legs
 Legs legs_of(const Robot& robot, const SupportEquations& equations)
 {
   const Kinematics& now = equations.now;
-  const VectorD& turning = equations.turn;
+  const VectorD& turning = equations.direction_acceleration;
   const Eigen::Vector2d base_up(equations.base_acceleration.x(),
                                 equations.base_acceleration.y() + robot.mechanism.gravity());
   Legs legs{position(now, robot.link(robot.trunk).origin),

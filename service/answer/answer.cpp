@@ -146,7 +146,7 @@ std::optional<Refusal> answer_motion(const Robot& robot, const AnswerSettings& s
     return *refusal;
   answer.dynamics_residual = dynamics_residual(robot, equations, solution);
   answer.flags = flags;
-  copy_whole(solution.torque, answer.torque);
+  answer.torque = solution.torque;
   if (!all_finite(answer))
     return Refusal(Reason::numerical, "a result is not finite; the motion's numbers are too large");
 
@@ -155,7 +155,7 @@ std::optional<Refusal> answer_motion(const Robot& robot, const AnswerSettings& s
   memory.utime = desired.utime;
   memory.now = clock ? clock->now : 0;
   memory.ahead = elapsed.ahead;
-  copy_whole(solution.torque, memory.torque);
+  memory.torque = solution.torque;
   return {};
 }
 

@@ -9,19 +9,18 @@ namespace
 {
 
 // each foot's wrench about its ankle
-std::array<Wrench, 2> about_ankles(const SupportEquations& equations, const Support& support, const WrenchVector& w)
+PerSide<Wrench> about_ankles(const SupportEquations& equations, const Support& support, const WrenchVector& w)
 {
-  std::array<Wrench, 2> ground{};
+  PerSide<Wrench> ground{};
   for (const Side side : kSides)
   {
     const Contact contact = support.of(side);
     if (contact == Contact::none)
       continue;
-    const auto index = static_cast<std::size_t>(side);
-    const StandingFoot& foot = equations.standing[index];
+    const StandingFoot& foot = equations.standing[side];
     const int row = support.row(side);
     const double moment = contact == Contact::sole ? w(row + 2) : cross(foot.point - foot.ankle, w.segment<2>(row));
-    ground[index] = {w(row), w(row + 1), moment};
+    ground[side] = {w(row), w(row + 1), moment};
   }
   return ground;
 }
@@ -56,10 +55,10 @@ std::optional<Refusal> check_admissible(const Robot& robot, const Support& suppo
 
 TorqueSolution::TorqueSolution(const Robot& robot, const SupportEquations& equations, const Support& support,
                                Method used, const WrenchVector& reactions, bool was_clamped, bool was_relaxed)
-    : method(used), clamped(was_clamped), relaxed(was_relaxed), ground(about_ankles(equations, support, reactions)),
-      from_ground(supported(robot, equations, support, ground)), torque(joint_torques(robot, motor_forces(equations)))
+    : method(used), clamped(was_clamped), relaxed(was_relaxed), w(reactions),
+      ground(about_ankles(equations, support, reactions)), from_ground(supported(robot, equations, support, ground)),
+      torque(joint_torques(robot, motor_forces(equations)))
 {
-  copy_whole(reactions, w);
 }
 
 Result<TorqueSolution> solve_torques(const Robot& robot, const SupportEquations& equations, const Support& support,

@@ -16,7 +16,7 @@ struct TorqueSolution
   Method method;                ///< none when nothing had to be chosen
   bool clamped, relaxed;        ///< of the Reactions
   WrenchVector w;               ///< in the order of the rows of J, about the contact points
-  std::array<Wrench, 2> ground; ///< the same about the ankles, indexed by Side
+  PerSide<Wrench> ground;       ///< the same about the ankles
   VectorQ from_ground;          ///< Jᵀ w
   VectorJ torque;               ///< N m, in the actuators' order
 

@@ -22,11 +22,9 @@ Eigen::Vector3d about(const Eigen::Vector2d& r, const Eigen::Vector3d& f)
 // The trunk, the legs and the feet; wrenches about the trunk's origin.
 struct Legs
 {
-  Eigen::Vector2d origin;              // of the trunk's frame, m
-  Eigen::Vector3d trunk;               // f*
-  std::array<Eigen::Vector3d, 2> rate; // n of each leg, indexed by Side
-
-  const Eigen::Vector3d& leg(Side side) const { return rate[static_cast<std::size_t>(side)]; }
+  Eigen::Vector2d origin;        // of the trunk's frame, m
+  Eigen::Vector3d trunk;         // f*
+  PerSide<Eigen::Vector3d> rate; // n of each leg
 };
 
 Legs legs_of(const Robot& robot, const SupportEquations& equations)
@@ -77,7 +75,7 @@ Eigen::Vector3d carried_by(const SupportEquations& equations, const Support& sup
   const Contact contact = support.of(side);
   const int row = support.row(side);
   const Eigen::Vector3d of_foot(w(row), w(row + 1), contact == Contact::sole ? w(row + 2) : 0.0);
-  return about(legs.origin - equations.foot(side).point(contact), of_foot) - legs.leg(side);
+  return about(legs.origin - equations.foot(side).point(contact), of_foot) - legs.rate[side];
 }
 
 Result<Reactions> tracked_internal(const DoubleSupport& now)

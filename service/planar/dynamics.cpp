@@ -6,8 +6,8 @@ namespace torqued
 {
 
 TORQUED_FOR_PROCESSORS
-Eigen::Vector3d inverse_dynamics(const Mechanism& mechanism, const Kinematics& now, const VectorD& turn,
-                                 const Eigen::Vector2d& base, VectorQ& r)
+Eigen::Vector3d inverse_dynamics(const Mechanism& mechanism, const Kinematics& now,
+                                 const VectorD& direction_acceleration, const Eigen::Vector2d& base, VectorQ& r)
 {
   using Numbers = Eigen::Array<double, 1, kMaxDirections>;
   const int size = mechanism.num_theta();
@@ -24,7 +24,7 @@ Eigen::Vector3d inverse_dynamics(const Mechanism& mechanism, const Kinematics& n
   {
     const DirectionBlock cosine = block(now.e.row(0), k), sine = block(now.e.row(1), k);
     const DirectionBlock S_x = block(mechanism.moments().row(0), k), S_z = block(mechanism.moments().row(1), k);
-    const DirectionBlock turning = block(turn, k), inwards = block(now.rate, k).square();
+    const DirectionBlock turning = block(direction_acceleration, k), inwards = block(now.rate, k).square();
     const DirectionBlock m_x = S_x * cosine - S_z * sine, m_z = S_x * sine + S_z * cosine;
     arm_x.segment<kDirectionBlock>(k) = -turning * sine - inwards * cosine;
     arm_z.segment<kDirectionBlock>(k) = turning * cosine - inwards * sine;
@@ -43,27 +43,28 @@ Eigen::Vector3d inverse_dynamics(const Mechanism& mechanism, const Kinematics& n
   for (int j = 0; j < directions; j += kDirectionBlock)
   {
     // Σ P_jk ẍ_k
-    DirectionBlock felt_x = DirectionBlock::Zero(), felt_z = felt_x;
+    DirectionBlock arms_x = DirectionBlock::Zero(), arms_z = arms_x;
     for (; pair != mechanism.pair_columns().end() && pair->row == j; ++pair)
     {
       const double x = arm_x(pair->column), z = arm_z(pair->column);
-      felt_x += pair->P_x * x - pair->P_z * z;
-      felt_z += pair->P_x * z + pair->P_z * x;
+      arms_x += pair->P_x * x - pair->P_z * z;
+      arms_z += pair->P_x * z + pair->P_z * x;
     }
-    const DirectionBlock found = block(now.e.row(0), j) * felt_z - block(now.e.row(1), j) * felt_x +
-                                 block(mechanism.inertias(), j) * block(turn, j) +
+    const DirectionBlock about = block(now.e.row(0), j) * arms_z - block(now.e.row(1), j) * arms_x +
+                                 block(mechanism.inertias(), j) * block(direction_acceleration, j) +
                                  (block(moment_x, j) * a_z - block(moment_z, j) * a_x);
-    moment.segment<kDirectionBlock>(j) = found;
-    total += block(mechanism.turned_with_all(), j) * found;
+    moment.segment<kDirectionBlock>(j) = about;
+    total += block(mechanism.turned_with_all(), j) * about;
   }
 
-  r.resize(size + 2);
-  for (int k = 0; k < size; k += kDirectionBlock) // the storage goes on to the end of the block
-    Eigen::Map<DirectionBlock>(r.data() + k) = block(moment, k);
+  r.resize(kMaxCoordinates);
+  for (int k = 0; k < size; k += kDirectionBlock)
+    r.segment<kDirectionBlock>(k) = block(moment, k).transpose();
+  r.conservativeResize(size + 2);
   for (const auto& [bar, column, share] : mechanism.shares_of_bars())
     r(column) += share * moment(bar);
   for (const auto& [row, column, mass] : mechanism.sliding())
-    r(row) += mass * turn(column);
+    r(row) += mass * direction_acceleration(column);
   const Eigen::Vector3d whole(force_x.sum() + mechanism.mass() * a_x, force_z.sum() + mechanism.mass() * a_z,
                               total.sum());
   r.tail<2>() = whole.head<2>();

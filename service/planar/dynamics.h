@@ -29,11 +29,11 @@ namespace torqued
 ///   r_θ    = Wᵀ (r_j) + sliding · θ̈
 ///
 /// which is Newton's law for each body, projected on what each direction moves; no matrix is formed.
-/// turn: φ̈ = W θ̈ of every direction, rad/s²; base: acceleration of the base point, m/s²; r: given length num_q().
-/// Returns r_base and Σ r_j: the force, and the moment about the base point, that move the whole mechanism as it
-/// should, (F_x, F_z, M), N and N m.
-Eigen::Vector3d inverse_dynamics(const Mechanism& mechanism, const Kinematics& now, const VectorD& turn,
-                                 const Eigen::Vector2d& base, VectorQ& r);
+/// direction_acceleration: φ̈ = W θ̈ of every direction, rad/s²; base: acceleration of the base point, m/s²; r: given
+/// length num_q(). Returns r_base and Σ r_j: the force, and the moment about the base point, that move the whole
+/// mechanism as it should, (F_x, F_z, M), N and N m.
+Eigen::Vector3d inverse_dynamics(const Mechanism& mechanism, const Kinematics& now,
+                                 const VectorD& direction_acceleration, const Eigen::Vector2d& base, VectorQ& r);
 /// The same. Requires: a of length num_q().
 inline VectorQ inverse_dynamics(const Mechanism& mechanism, const Kinematics& now, const VectorQ& a)
 {

@@ -44,8 +44,6 @@ Mechanism::Mechanism(const Eigen::MatrixXd& W, const std::vector<Body>& bodies, 
       if (!shares.isZero(0.0))
         blocks_of_bars_.push_back({row, column, shares});
     }
-  is_theta_.setZero(directions);
-  is_theta_.head(num_theta()).setOnes();
   moments_.setZero(2, directions);
   Eigen::MatrixXd sliding = Eigen::MatrixXd::Zero(num_theta(), num_theta());
   std::vector<Eigen::Vector2d> P(static_cast<std::size_t>(directions * directions), Eigen::Vector2d::Zero());

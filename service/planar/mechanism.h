@@ -11,8 +11,8 @@
 ///
 ///   φ = W θ                                                                            (W constant)
 ///
-/// against the world. The first of them are the members of θ; bars follow, and up to a whole number of blocks what
-/// never turns and carries nothing. A *point* of the mechanism is the base point plus arms, each constant in its
+/// against the world. The first of them are the members of θ; bars follow, and directions that never turn and carry
+/// nothing, up to a whole number of blocks. A *point* of the mechanism is the base point plus arms, each constant in its
 /// direction's frame:
 ///
 ///   p = p_base + Σₖ R(φₖ) rₖ
@@ -31,7 +31,7 @@ namespace torqued
 inline constexpr int kMaxCoordinates = 16;
 /// The most directions: what the angles turn, a bar for each of them but the root's, and the world.
 inline constexpr int kMaxDirections = 2 * (kMaxCoordinates - 2);
-/// So many are computed at once; a mechanism has them in whole blocks.
+/// A SIMD block of directions; a mechanism has them in whole blocks.
 inline constexpr int kDirectionBlock = 4;
 static_assert(kMaxDirections % kDirectionBlock == 0);
 
@@ -45,19 +45,10 @@ using MatrixQ = Bounded<kMaxCoordinates, kMaxCoordinates>;
 /// One number per direction.
 using VectorD = BoundedVector<kMaxDirections>;
 using MatrixD = Bounded<kMaxDirections, kMaxDirections>;
-/// One plane vector per direction, as columns; all x, then all z, so that several directions are computed at once.
+/// One plane vector per direction, as columns; all x, then all z, in SIMD blocks of directions.
 using PlaneVectors = Eigen::Matrix<double, 2, Eigen::Dynamic, Eigen::RowMajor, 2, kMaxDirections>;
 /// A number of each direction of a block.
 using DirectionBlock = Eigen::Array<double, 1, kDirectionBlock>;
-
-/// to = from, by the whole storage: of a size that the compiler knows it takes no call, and does not wait for what was
-/// written just before.
-template <int MaxRows> void copy_whole(const BoundedVector<MaxRows>& from, BoundedVector<MaxRows>& to)
-{
-  using Storage = Eigen::Matrix<double, MaxRows, 1>;
-  to.resize(from.size());
-  Eigen::Map<Storage>(to.data()) = Eigen::Map<const Storage>(from.data());
-}
 
 /// r turned by +90°: (−r_z, r_x).
 inline Eigen::Vector2d perp(const Eigen::Vector2d& r)
@@ -147,41 +138,10 @@ public:
   int num_directions() const { return static_cast<int>(W_.rows()); }
 
   const Bounded<kMaxDirections, kMaxCoordinates>& W() const { return W_; }
-  /// W θ; `theta` may go on, as q, v and a do.
-  VectorD of_directions(const VectorQ& theta) const
-  {
-    // what follows θ becomes 0 within its block, because a part of a block written apart makes the whole wait
-    VectorD x(num_directions());
-    const double* const from = theta.data();
-    int k = 0;
-    for (; k < num_theta(); k += kDirectionBlock)
-      for (int i = k; i < k + kDirectionBlock; ++i)
-      {
-        const double number = from[i];
-        x.data()[i] = is_theta_.data()[i] != 0.0 ? number : 0.0;
-      }
-    for (; k < num_directions(); k += kDirectionBlock)
-      x.segment<kDirectionBlock>(k).setZero();
-    for (auto bars = blocks_of_bars_.begin(); bars != blocks_of_bars_.end();)
-    {
-      const int row = bars->row;
-      DirectionBlock sum = x.segment<kDirectionBlock>(row).transpose();
-      for (; bars != blocks_of_bars_.end() && bars->row == row; ++bars)
-        sum += theta(bars->column) * bars->shares;
-      x.segment<kDirectionBlock>(row) = sum.transpose();
-    }
-    return x;
-  }
+  /// W θ; `theta`: θ, or a vector that begins with it, as q, v and a do.
+  VectorD of_directions(const VectorQ& theta) const;
   /// Adds Wᵀ x to the head of `theta`, x being 0 but at one direction.
-  void add_from_direction(int direction, double x, VectorQ& theta) const
-  {
-    if (direction < num_theta())
-      theta(direction) += x;
-    else
-      for (const Entry& share : shares_of_bars_)
-        if (share.row == direction)
-          theta(share.column) += share.value * x;
-  }
+  void add_from_direction(int direction, double x, VectorQ& theta) const;
   /// W below the unit matrix.
   const std::vector<Entry>& shares_of_bars() const { return shares_of_bars_; }
   /// How fast each direction turns when all of θ turns at rate 1: W times ones.
@@ -206,7 +166,6 @@ private:
     DirectionBlock shares;
   };
   std::vector<BlockOfBars> blocks_of_bars_;
-  VectorD is_theta_; // 1 of a member of θ; else 0
   VectorD turned_with_all_;
   double gravity_;
   double mass_ = 0.0;
@@ -217,5 +176,48 @@ private:
   std::vector<Entry> sliding_;
   MatrixQ inertia_;
 };
+
+inline VectorD Mechanism::of_directions(const VectorQ& theta) const
+{
+  // the unit matrix
+  const int size = num_theta();
+  VectorD x(num_directions());
+  int k = 0;
+  for (; k + kDirectionBlock <= size; k += kDirectionBlock)
+    x.segment<kDirectionBlock>(k) = theta.segment<kDirectionBlock>(k);
+  if (k < size)
+  {
+    // a block at once, because a part of it written apart would make its reader wait
+    const auto rest = [&](int i)
+    {
+      return k + i < size ? theta(k + i) : 0.0;
+    };
+    x.segment<kDirectionBlock>(k) << rest(0), rest(1), rest(2), rest(3);
+    k += kDirectionBlock;
+  }
+  for (; k < num_directions(); k += kDirectionBlock)
+    x.segment<kDirectionBlock>(k).setZero();
+
+  // bars
+  for (auto bars = blocks_of_bars_.begin(); bars != blocks_of_bars_.end();)
+  {
+    const int row = bars->row;
+    DirectionBlock sum = x.segment<kDirectionBlock>(row).transpose();
+    for (; bars != blocks_of_bars_.end() && bars->row == row; ++bars)
+      sum += theta(bars->column) * bars->shares;
+    x.segment<kDirectionBlock>(row) = sum.transpose();
+  }
+  return x;
+}
+
+inline void Mechanism::add_from_direction(int direction, double x, VectorQ& theta) const
+{
+  if (direction < num_theta())
+    theta(direction) += x;
+  else
+    for (const Entry& share : shares_of_bars_)
+      if (share.row == direction)
+        theta(share.column) += share.value * x;
+}
 
 } // namespace torqued

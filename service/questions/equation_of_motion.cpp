@@ -48,7 +48,7 @@ EquationOfMotion equation_of_motion(const Robot& robot, const Motion& motion, co
   Support free = support;
   for (const Side side : kSides)
     if (robot.is_root(robot.foot(side)))
-      free.contact[static_cast<std::size_t>(side)] = Contact::none;
+      free.contact[side] = Contact::none;
   const ContactRows contact = contact_rows(robot, now, free);
   equation.J = contact.J * S;
   equation.Jdot = contact_rows_rate(robot, now, free) * S;

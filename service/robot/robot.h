@@ -30,10 +30,12 @@ inline constexpr std::size_t kLongestName = 64;
 bool is_name(std::string_view text);
 /// One number per actuator.
 using VectorJ = BoundedVector<kMaxJoints>;
-/// So many are computed at once, because a number of rows known to the compiler is what makes small products fast.
+/// A SIMD block of joints: small products are fast where the compiler knows the number of rows.
 inline constexpr int kJointBlock = 8;
 using JointBlock = Eigen::Matrix<double, kJointBlock, 1>;
 static_assert(kMaxJoints % kJointBlock == 0);
+/// One number per actuator, 0 beyond the last.
+using PaddedJoints = Eigen::Matrix<double, kMaxJoints, 1>;
 
 enum class Side : std::int8_t
 {
@@ -47,6 +49,14 @@ inline Side other(Side side)
 inline constexpr std::array<Side, 2> kSides{Side::left, Side::right};
 /// "left" or "right".
 std::string_view name_of(Side side);
+
+/// One thing for each side.
+template <typename T> struct PerSide : std::array<T, 2>
+{
+  using std::array<T, 2>::operator[];
+  T& operator[](Side side) { return (*this)[static_cast<std::size_t>(side)]; }
+  const T& operator[](Side side) const { return (*this)[static_cast<std::size_t>(side)]; }
+};
 
 /// A stroke that draws a link: from, to in the link's frame, width; m.
 struct Segment
@@ -208,7 +218,7 @@ struct Robot
   std::vector<Link> links;
   std::vector<int> order; ///< links' indices, parents before children
   std::vector<Actuator> actuators = {};
-  std::array<Foot, 2> feet = {}; ///< indexed by Side
+  PerSide<Foot> feet = {};
   std::vector<std::string> absolute_names, relative_names = {};
   std::array<std::string, 2> base_names = {}; ///< empty for a fixed root
   Mechanism mechanism;
@@ -234,7 +244,7 @@ struct Robot
   int root() const { return order.front(); }
   bool fixed_root() const { return !link(root()).type().floats(); }
   double weight() const { return mechanism.mass() * mechanism.gravity(); }
-  const Foot& foot(Side side) const { return feet[static_cast<std::size_t>(side)]; }
+  const Foot& foot(Side side) const { return feet[side]; }
   const Link& link(int index) const { return links[static_cast<std::size_t>(index)]; }
   /// Whether this foot is the fixed root.
   bool is_root(const Foot& foot) const { return fixed_root() && foot.link == root(); }
@@ -276,17 +286,24 @@ template <typename Force> double largest_left(const Robot& robot, const Force& f
 }
 
 /// B⁺ f: the torques that give f, if any do; else all rows but a floating root's are met. force: f by its row, from θ's
-/// on. In the storage of what is returned zeros follow up to the end of the last block of joints; a copy has none.
-template <typename Force> VectorJ joint_torques(const Robot& robot, const Force& force)
+/// on.
+template <typename Force> PaddedJoints padded_joint_torques(const Robot& robot, const Force& force)
 {
-  VectorJ torque(robot.num_joints());
+  PaddedJoints torque = PaddedJoints::Zero();
   for (int j = 0; j < robot.num_joints(); j += kJointBlock)
   {
     JointBlock sum = JointBlock::Zero();
     for (int c = 0; c < robot.mechanism.num_theta(); ++c)
       sum += force(c) * robot.B_inverse.block<kJointBlock, 1>(j, c);
-    Eigen::Map<JointBlock>(torque.data() + j) = sum; // the storage goes on to the end of the block
+    torque.segment<kJointBlock>(j) = sum;
   }
+  return torque;
+}
+template <typename Force> VectorJ joint_torques(const Robot& robot, const Force& force)
+{
+  VectorJ torque(kMaxJoints);
+  torque.head<kMaxJoints>() = padded_joint_torques(robot, force);
+  torque.conservativeResize(robot.num_joints());
   return torque;
 }
 

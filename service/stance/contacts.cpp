@@ -84,7 +84,8 @@ Jacobian contact_rows_rate(const Robot& robot, const Kinematics& now, const Supp
   return Jdot;
 }
 
-void stand(const Robot& robot, const Kinematics& now, const VectorD& turn, const Support& support, StandingFeet& feet)
+void stand(const Robot& robot, const Kinematics& now, const VectorD& direction_acceleration, const Support& support,
+           StandingFeet& feet)
 {
   for (const Side side : kSides)
   {
@@ -92,7 +93,7 @@ void stand(const Robot& robot, const Kinematics& now, const VectorD& turn, const
     if (contact == Contact::none)
       continue;
     const Foot& foot = robot.foot(side);
-    StandingFoot& standing = feet[static_cast<std::size_t>(side)];
+    StandingFoot& standing = feet[side];
 
     // Σ r, Σ φ̇ r, Σ φ̇² r, Σ φ̈ r of the arms, and of the way from ankle to heel or toe
     Eigen::Vector2d p = Eigen::Vector2d::Zero(), v = p, centripetal = p, a = p;
@@ -102,7 +103,7 @@ void stand(const Robot& robot, const Kinematics& now, const VectorD& turn, const
       p += r;
       v += rate * r;
       centripetal += rate * rate * r;
-      a += turn(direction) * r;
+      a += direction_acceleration(direction) * r;
     };
     standing.arms.resize(2, static_cast<Eigen::Index>(foot.ankle.size()));
     int i = 0;
@@ -121,8 +122,8 @@ void stand(const Robot& robot, const Kinematics& now, const VectorD& turn, const
   }
 }
 
-Result<BaseMotion> base_motion(const Robot& robot, const DesiredState& desired, const VectorD& turn, Kinematics& now,
-                               StandingFeet& feet)
+Result<BaseMotion> base_motion(const Robot& robot, const DesiredState& desired, const VectorD& direction_acceleration,
+                               Kinematics& now, StandingFeet& feet)
 {
   const Support& support = desired.support;
   if (const auto refusal = check_contacts(robot, support))
@@ -134,13 +135,13 @@ Result<BaseMotion> base_motion(const Robot& robot, const DesiredState& desired, 
     return Refusal(Reason::not_supported,
                    "base is FROM_CONTACT (0), but neither foot has contact: in flight the base must "
                    "be GIVEN (1)");
-  stand(robot, now, turn, support, feet);
+  stand(robot, now, direction_acceleration, support, feet);
   if (desired.base_given)
     return BaseMotion{desired.v.tail<2>(), desired.a.tail<2>()};
 
   // the resting point at x = 0, the point of the sole below the ankle, or the contact point, at z = 0, and at rest
   const Side side = resting_side(robot, support);
-  const StandingFoot& standing = feet[static_cast<std::size_t>(side)];
+  const StandingFoot& standing = feet[side];
   const Foot& foot = robot.foot(side);
   const double height =
       support.of(side) == Contact::sole ? foot.ankle_height() * heading(robot.link(foot.link), now).x() : 0.0;

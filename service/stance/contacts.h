@@ -96,11 +96,12 @@ struct StandingFoot
   Eigen::Vector2d point, velocity, acceleration;
 };
 
-/// Both feet, indexed by Side; not set where there is no contact.
-using StandingFeet = std::array<StandingFoot, 2>;
+/// Not set where there is no contact.
+using StandingFeet = PerSide<StandingFoot>;
 
-/// turn: φ̈ of every direction, rad/s². Requires: check_contacts().
-void stand(const Robot& robot, const Kinematics& now, const VectorD& turn, const Support& support, StandingFeet& feet);
+/// direction_acceleration: φ̈ of every direction, rad/s². Requires: check_contacts().
+void stand(const Robot& robot, const Kinematics& now, const VectorD& direction_acceleration, const Support& support,
+           StandingFeet& feet);
 
 /// How the base point moves.
 struct BaseMotion
@@ -114,10 +115,10 @@ struct BaseMotion
 /// toe; in double support the ankle of the foot on its sole, or of the trailing foot when both or neither are on their
 /// soles (there its contact point). It is put at x = 0, with the sole or the contact point at z = 0.
 ///
-/// turn: φ̈ of every direction, rad/s². feet: set as by stand().
+/// direction_acceleration: φ̈ of every direction, rad/s². feet: set as by stand().
 /// Refuses, not_supported: what check_contacts() does; flight without a given base; a given base of a fixed root.
-Result<BaseMotion> base_motion(const Robot& robot, const DesiredState& desired, const VectorD& turn, Kinematics& now,
-                               StandingFeet& feet);
+Result<BaseMotion> base_motion(const Robot& robot, const DesiredState& desired, const VectorD& direction_acceleration,
+                               Kinematics& now, StandingFeet& feet);
 
 /// A desired state whose base is known.
 struct Motion

@@ -46,12 +46,12 @@ enum class Method : std::int8_t
 /// The two contacts, and how far the load has moved from the trailing to the leading foot.
 struct Support
 {
-  std::array<Contact, 2> contact; ///< indexed by Side
+  PerSide<Contact> contact;
   Side leading;
   double load_transfer; ///< 0..1 over the whole double support: 0 = on the trailing foot, 1 = on the leading one
   double phase;         ///< 0..1 within the present pair of a sole and a point
 
-  Contact of(Side side) const { return contact[static_cast<std::size_t>(side)]; }
+  Contact of(Side side) const { return contact[side]; }
   Side trailing() const { return other(leading); }
   /// How far the present handing over of the load has come, 0..1: load_transfer on two soles, else phase.
   double progress() const { return contact[0] == Contact::sole && contact[1] == Contact::sole ? load_transfer : phase; }

@@ -33,7 +33,7 @@ Gap gap(const Robot& robot, const Kinematics& now, const Support& support, const
     auto place = gap.phi.segment<2>(support.row(side));
     const double height = contact == Contact::sole ? foot.ankle_height() : 0.0;
     place.y() = position(now, contact_point(foot, contact)).y() - height;
-    if (const auto& x = footholds[static_cast<std::size_t>(side)])
+    if (const auto& x = footholds[side])
       place.x() = foothold(robot, now, side, contact) - *x;
     if (const double above = foot_pose(robot, now, foot).height(contact); std::abs(above) > std::abs(gap.errors.height))
     {

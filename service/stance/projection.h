@@ -20,7 +20,7 @@ struct ContactErrors
 /// World x of each foot's heel as it is, or was, or will be when the foot is flat at its place: while a foot rolls from
 /// heel over sole to toe without slipping, all its contacts belong to one foothold. Empty: where the foot happens to
 /// be.
-using Footholds = std::array<std::optional<double>, 2>;
+using Footholds = PerSide<std::optional<double>>;
 
 /// The foothold that a foot's contact point speaks of, m. Requires: a contact on that side.
 double foothold(const Robot& robot, const Kinematics& now, Side side, Contact contact);

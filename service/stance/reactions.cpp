@@ -7,87 +7,97 @@
 namespace torqued
 {
 
-AdmissibleReactions admissible_reactions(const Robot& robot, const SupportEquations& equations, const Support& support)
+namespace
+{
+
+// a row of (w0, Z)
+void set_row(AdmissibleReactions& all, int component, double w0, double of_y0, double of_y1, double of_y2)
+{
+  all.rows(component, 0) = w0;
+  all.rows(component, 1) = of_y0;
+  all.rows(component, 2) = of_y1;
+  all.rows(component, 3) = of_y2;
+}
+
+// the sole supplies the force and the moment about the base point, and takes back what the other foot has
+void on_sole(const SupportEquations& equations, const Support& support, Side sole, AdmissibleReactions& all)
 {
   const Eigen::Vector3d& d = equations.d;
+  const Side free = other(sole);
+  const int at_sole = support.row(sole), at_free = support.row(free);
+  const Eigen::Vector2d& ankle = equations.standing[sole].ankle;
+  all.redundancy = wrench_components(support.of(free));
+  const bool force = all.redundancy > 0, moment = all.redundancy == 3;
+  const Eigen::Vector2d between =
+      force ? Eigen::Vector2d(equations.standing[free].point - ankle) : Eigen::Vector2d::Zero();
+  set_row(all, at_sole, d(0), force ? -1.0 : 0.0, 0.0, 0.0);
+  set_row(all, at_sole + 1, d(1), 0.0, force ? -1.0 : 0.0, 0.0);
+  set_row(all, at_sole + 2, d(2) - cross(ankle, d.head<2>()), between.y(), -between.x(), moment ? -1.0 : 0.0);
+  if (force)
+  {
+    set_row(all, at_free, 0.0, 1.0, 0.0, 0.0);
+    set_row(all, at_free + 1, 0.0, 0.0, 1.0, 0.0);
+  }
+  if (moment)
+    set_row(all, at_free + 2, 0.0, 0.0, 0.0, 1.0);
+}
+
+// points only: moments about that of the trailing foot, or of the only one
+void on_points(const Robot& robot, const SupportEquations& equations, const Support& support, AdmissibleReactions& all)
+{
+  const Eigen::Vector3d& d = equations.d;
+  const bool two = all.components == 4;
+  const Side side = two ? support.trailing() : support.of(Side::left) != Contact::none ? Side::left : Side::right;
+  const Eigen::Vector2d p = equations.foot(side).point(support.of(side));
+  const double moment = d(2) - cross(p - equations.base(), d.head<2>());
+  const Eigen::Vector2d lever =
+      two ? Eigen::Vector2d(equations.foot(support.leading).point(support.of(support.leading)) - p)
+          : Eigen::Vector2d::Zero();
+  const int at = support.row(side), at_leading = support.row(support.leading);
+  if (lever.norm() < kCoincident * robot.leg_length)
+  {
+    all.unmet(2) = moment;
+    const double force = two ? 1.0 : 0.0;
+    all.redundancy = two ? 2 : 0;
+    set_row(all, at, d(0), -force, 0.0, 0.0);
+    set_row(all, at + 1, d(1), 0.0, -force, 0.0);
+    if (two)
+    {
+      set_row(all, at_leading, 0.0, 1.0, 0.0, 0.0);
+      set_row(all, at_leading + 1, 0.0, 0.0, 1.0, 0.0);
+    }
+  }
+  else
+  {
+    // the leading force across the lever balances the moment; the internal force along it is free
+    const Eigen::Vector2d force = moment / lever.squaredNorm() * perp(lever);
+    const Eigen::Vector2d along = lever.normalized();
+    all.redundancy = 1;
+    set_row(all, at_leading, force.x(), along.x(), 0.0, 0.0);
+    set_row(all, at_leading + 1, force.y(), along.y(), 0.0, 0.0);
+    set_row(all, at, d(0) - force.x(), -along.x(), 0.0, 0.0);
+    set_row(all, at + 1, d(1) - force.y(), -along.y(), 0.0, 0.0);
+  }
+}
+
+} // namespace
+
+AdmissibleReactions admissible_reactions(const Robot& robot, const SupportEquations& equations, const Support& support)
+{
   AdmissibleReactions all;
   all.components = support.wrench_components();
   all.redundancy = 0;
   all.unmet.setZero();
-  const auto row = [&](int component, double w0, double of_y0, double of_y1, double of_y2)
-  {
-    all.rows(component, 0) = w0;
-    all.rows(component, 1) = of_y0;
-    all.rows(component, 2) = of_y1;
-    all.rows(component, 3) = of_y2;
-  };
   if (all.components % 2 == 1)
-    row(all.components, 0.0, 0.0, 0.0, 0.0);
-
-  const bool leading_sole = support.of(support.leading) == Contact::sole;
-  const bool trailing_sole = support.of(support.trailing()) == Contact::sole;
+    set_row(all, all.components, 0.0, 0.0, 0.0, 0.0);
   if (all.components == 0)
-  {
-    all.unmet = d;
-  }
-  else if (leading_sole || trailing_sole)
-  {
-    // the sole supplies the force and the moment about the base point, and takes back what the other foot has
-    const Side sole = trailing_sole ? support.trailing() : support.leading;
-    const Side free = other(sole);
-    const int at_sole = support.row(sole), at_free = support.row(free);
-    const Eigen::Vector2d& ankle = equations.standing[static_cast<std::size_t>(sole)].ankle;
-    all.redundancy = wrench_components(support.of(free));
-    const bool force = all.redundancy > 0, moment = all.redundancy == 3;
-    const Eigen::Vector2d between =
-        force ? Eigen::Vector2d(equations.standing[static_cast<std::size_t>(free)].point - ankle)
-              : Eigen::Vector2d::Zero();
-    row(at_sole, d(0), force ? -1.0 : 0.0, 0.0, 0.0);
-    row(at_sole + 1, d(1), 0.0, force ? -1.0 : 0.0, 0.0);
-    row(at_sole + 2, d(2) - cross(ankle, d.head<2>()), between.y(), -between.x(), moment ? -1.0 : 0.0);
-    if (force)
-    {
-      row(at_free, 0.0, 1.0, 0.0, 0.0);
-      row(at_free + 1, 0.0, 0.0, 1.0, 0.0);
-    }
-    if (moment)
-      row(at_free + 2, 0.0, 0.0, 0.0, 1.0);
-  }
+    all.unmet = equations.d;
+  else if (support.of(support.trailing()) == Contact::sole)
+    on_sole(equations, support, support.trailing(), all);
+  else if (support.of(support.leading) == Contact::sole)
+    on_sole(equations, support, support.leading, all);
   else
-  {
-    // points only: moments about that of the trailing foot, or of the only one
-    const bool two = all.components == 4;
-    const Side side = two ? support.trailing() : support.of(Side::left) != Contact::none ? Side::left : Side::right;
-    const Eigen::Vector2d p = equations.foot(side).point(support.of(side));
-    const double moment = d(2) - cross(p - equations.base(), d.head<2>());
-    const Eigen::Vector2d lever =
-        two ? Eigen::Vector2d(equations.foot(support.leading).point(support.of(support.leading)) - p)
-            : Eigen::Vector2d::Zero();
-    const int at = support.row(side), at_leading = support.row(support.leading);
-    if (lever.norm() < kCoincident * robot.leg_length)
-    {
-      all.unmet(2) = moment;
-      const double force = two ? 1.0 : 0.0;
-      all.redundancy = two ? 2 : 0;
-      row(at, d(0), -force, 0.0, 0.0);
-      row(at + 1, d(1), 0.0, -force, 0.0);
-      if (two)
-      {
-        row(at_leading, 0.0, 1.0, 0.0, 0.0);
-        row(at_leading + 1, 0.0, 0.0, 1.0, 0.0);
-      }
-    }
-    else
-    {
-      const Eigen::Vector2d force = moment / lever.squaredNorm() * perp(lever);
-      const Eigen::Vector2d along = lever.normalized();
-      all.redundancy = 1;
-      row(at_leading, force.x(), along.x(), 0.0, 0.0);
-      row(at_leading + 1, force.y(), along.y(), 0.0, 0.0);
-      row(at, d(0) - force.x(), -along.x(), 0.0, 0.0);
-      row(at + 1, d(1) - force.y(), -along.y(), 0.0, 0.0);
-    }
-  }
+    on_points(robot, equations, support, all);
   return all;
 }
 
@@ -105,7 +115,7 @@ ReactionTorques reaction_torques(const Robot& robot, const SupportEquations& equ
     const Contact contact = support.of(side);
     if (contact == Contact::none)
       continue;
-    const StandingFoot& standing = equations.standing[static_cast<std::size_t>(side)];
+    const StandingFoot& standing = equations.standing[side];
     const int row = support.row(side);
     const Columns fx = all.row(row), fz = all.row(row + 1);
     const auto moment_at = [&](const Eigen::Vector2d& r) -> Columns
@@ -129,20 +139,21 @@ ReactionTorques reaction_torques(const Robot& robot, const SupportEquations& equ
     }
   }
 
-  // τ0 and T, two joints at a time, and three columns, whatever their number: the storage goes on
-  const VectorJ without = joint_torques(robot, equations.r);
+  // τ0 and T, two joints at a time, and three columns, whatever their number
   ReactionTorques found;
-  found.T.resize(kMaxJoints, all.redundancy);
-  Eigen::Map<Eigen::Matrix<double, kMaxJoints, 3>> T(found.T.data());
+  found.tau0 = padded_joint_torques(robot, equations.r);
+  found.T.resize(kMaxJoints, 3);
+  auto T = found.T.leftCols<3>();
+  T.setZero();
   for (int j = 0; j < rows; j += 2)
   {
     const Columns& one = given[static_cast<std::size_t>(j)];
     const Columns& next = given[static_cast<std::size_t>(j + 1)];
-    found.tau0.segment<2>(j) = Eigen::Map<const Eigen::Vector2d>(without.data() + j) + Eigen::Vector2d(one(0), next(0));
-    T.block<2, 1>(j, 0) = Eigen::Vector2d(one(1), next(1));
-    T.block<2, 1>(j, 1) = Eigen::Vector2d(one(2), next(2));
-    T.block<2, 1>(j, 2) = Eigen::Vector2d(one(3), next(3));
+    found.tau0.segment<2>(j) += Eigen::Vector2d(one(0), next(0));
+    for (int k = 0; k < 3; ++k)
+      T.col(k).segment<2>(j) = Eigen::Vector2d(one(1 + k), next(1 + k));
   }
+  found.T.conservativeResize(Eigen::NoChange, all.redundancy);
   return found;
 }
 

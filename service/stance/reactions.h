@@ -19,7 +19,8 @@ struct AdmissibleReactions
 {
   /// (w0, Z), a row for each component of w; columns beyond the redundancy are 0. An odd number of rows is followed by
   /// one of zeros; what follows that is not set.
-  Eigen::Matrix<double, 6, 4, Eigen::RowMajor> rows;
+  static constexpr int kMaxComponents = 6;
+  Eigen::Matrix<double, kMaxComponents, 4, Eigen::RowMajor> rows;
   int components, redundancy;
   Eigen::Vector3d unmet; ///< what of (2) no reaction meets: in flight d; on one heel or toe, or on two at one point,
                          ///< (0, 0, moment about it); else 0
@@ -43,10 +44,10 @@ struct AdmissibleReactions
 private:
   template <typename OfRow> WrenchVector by_rows(const OfRow& of_row) const
   {
-    // two at a time: the storage goes on
-    WrenchVector w(components);
+    WrenchVector w(kMaxComponents);
     for (int i = 0; i < components; i += 2)
-      Eigen::Map<Eigen::Vector2d>(w.data() + i) = Eigen::Vector2d(of_row(rows.row(i)), of_row(rows.row(i + 1)));
+      w.segment<2>(i) = Eigen::Vector2d(of_row(rows.row(i)), of_row(rows.row(i + 1)));
+    w.conservativeResize(components);
     return w;
   }
 };
@@ -67,11 +68,10 @@ struct Reactions
 
 AdmissibleReactions admissible_reactions(const Robot& robot, const SupportEquations& equations, const Support& support);
 
-/// The torques that go with them, τ = τ0 + T y. One row for each joint; in whole blocks of joints, zeros and then
-/// nothing follow.
+/// The torques that go with them, τ = τ0 + T y. One row for each joint; zeros follow.
 struct ReactionTorques
 {
-  Eigen::Matrix<double, kMaxJoints, 1> tau0; ///< B⁺ (r − Jᵀ w0), N m
+  PaddedJoints tau0; ///< B⁺ (r − Jᵀ w0), N m
   /// −B⁺ Jᵀ Z, one column for each y; of full column rank where J has full row rank.
   Eigen::Matrix<double, kMaxJoints, Eigen::Dynamic, 0, kMaxJoints, 3> T;
 };

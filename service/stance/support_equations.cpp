@@ -27,7 +27,8 @@ Result<SupportEquations> support_equations(const Robot& robot, const DesiredStat
   Result<SupportEquations> result(std::in_place_type<SupportEquations>, mechanism, desired);
   SupportEquations& equations = std::get<SupportEquations>(result);
   Kinematics& now = equations.now;
-  const Result<BaseMotion> completed = base_motion(robot, desired, equations.turn, now, equations.standing);
+  const Result<BaseMotion> completed =
+      base_motion(robot, desired, equations.direction_acceleration, now, equations.standing);
   if (const Refusal* refusal = std::get_if<Refusal>(&completed))
   {
     result = *refusal;
@@ -36,7 +37,7 @@ Result<SupportEquations> support_equations(const Robot& robot, const DesiredStat
   const BaseMotion& base = std::get<BaseMotion>(completed);
   equations.base_acceleration = base.acceleration;
 
-  equations.d = inverse_dynamics(mechanism, now, equations.turn, base.acceleration, equations.r);
+  equations.d = inverse_dynamics(mechanism, now, equations.direction_acceleration, base.acceleration, equations.r);
   if (robot.joint_friction)
     equations.r.head(mechanism.num_theta()) += joint_forces(robot, joint_friction(robot, desired.v, desired.a));
 
@@ -47,11 +48,10 @@ Result<SupportEquations> support_equations(const Robot& robot, const DesiredStat
     const Contact contact = support.of(side);
     if (contact == Contact::none)
       continue;
-    const auto index = static_cast<std::size_t>(side);
-    const Foot& foot = robot.feet[index];
-    const StandingFoot& standing = equations.standing[index];
-    equations.feet[index] = foot_pose(robot, now, foot, now.base + standing.ankle);
-    if (const double own = equations.feet[index].height(contact); std::abs(own) > std::abs(height))
+    const Foot& foot = robot.foot(side);
+    const StandingFoot& standing = equations.standing[side];
+    equations.feet[side] = foot_pose(robot, now, foot, now.base + standing.ankle);
+    if (const double own = equations.foot(side).height(contact); std::abs(own) > std::abs(height))
     {
       height = own;
       farthest = side;
@@ -70,7 +70,7 @@ Result<SupportEquations> support_equations(const Robot& robot, const DesiredStat
     {
       raise(tilt, wrapped(desired.q(foot.direction) + robot.link(foot.link).direction_angle));
       raise(speed, now.rate(foot.direction));
-      raise(residual, equations.turn(foot.direction));
+      raise(residual, equations.direction_acceleration(foot.direction));
     }
   }
   equations.contact_speed = speed;
@@ -82,22 +82,23 @@ Result<SupportEquations> support_equations(const Robot& robot, const DesiredStat
 }
 
 VectorQ supported(const Robot& robot, const SupportEquations& equations, const Support& support,
-                  const std::array<Wrench, 2>& ground)
+                  const PerSide<Wrench>& ground)
 {
-  VectorQ force(equations.r.size());
-  Eigen::Map<Eigen::Matrix<double, kMaxCoordinates, 1>>(force.data()).setZero(); // a number that the compiler knows
+  VectorQ force(kMaxCoordinates);
+  force.head<kMaxCoordinates>().setZero(); // a number that the compiler knows
+  force.conservativeResize(equations.r.size());
   Eigen::Vector2d total = Eigen::Vector2d::Zero();
   for (const Side side : kSides)
   {
     if (support.of(side) == Contact::none)
       continue;
-    const auto index = static_cast<std::size_t>(side);
-    const Foot& foot = robot.feet[index];
-    const Eigen::Vector2d f(ground[index].fx, ground[index].fz);
+    const Foot& foot = robot.foot(side);
+    const Wrench& wrench = ground[side];
+    const Eigen::Vector2d f(wrench.fx, wrench.fz);
     int i = 0;
     for (const Arm& arm : foot.ankle)
-      robot.mechanism.add_from_direction(arm.direction, cross(equations.standing[index].arms.col(i++), f), force);
-    robot.mechanism.add_from_direction(foot.direction, ground[index].moment, force);
+      robot.mechanism.add_from_direction(arm.direction, cross(equations.standing[side].arms.col(i++), f), force);
+    robot.mechanism.add_from_direction(foot.direction, wrench.moment, force);
     total += f;
   }
   force.tail<2>() = total;

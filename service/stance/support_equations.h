@@ -21,16 +21,16 @@ struct SupportEquations
   SupportEquations() {} // sets nothing: zeros would cost as much as the equations
   /// Begins with the pose, its rates, and φ̈.
   SupportEquations(const Mechanism& mechanism, const DesiredState& desired)
-      : now(kinematics(mechanism, desired.q, desired.v)), turn(mechanism.of_directions(desired.a))
+      : now(kinematics(mechanism, desired.q, desired.v)), direction_acceleration(mechanism.of_directions(desired.a))
   {
   }
 
   VectorQ r;         ///< the generalized force that the motion needs
   Eigen::Vector3d d; ///< (F_x, F_z, M about the base point) that the ground must supply, N and N m
   Kinematics now;
-  VectorD turn;                      ///< φ̈ of every direction, rad/s²
+  VectorD direction_acceleration;    ///< φ̈, rad/s²
   Eigen::Vector2d base_acceleration; ///< m/s²
-  std::array<FootPose, 2> feet;      ///< indexed by Side; not set without contact
+  PerSide<FootPose> feet;            ///< not set without contact
   StandingFeet standing;             ///< the same feet, as seen from the base point
 
   double contact_speed;    ///< largest |J v|: what should be at rest, m/s or rad/s
@@ -40,7 +40,7 @@ struct SupportEquations
   Side farthest;           ///< that contact's foot
 
   const Eigen::Vector2d& base() const { return now.base; }
-  const FootPose& foot(Side side) const { return feet[static_cast<std::size_t>(side)]; }
+  const FootPose& foot(Side side) const { return feet[side]; }
   /// The total ground force (F_x, F_z), and its moment about the world's origin.
   Eigen::Vector2d force() const { return d.head<2>(); }
   double moment_about_origin() const { return d(2) + cross(base(), force()); }
@@ -48,9 +48,9 @@ struct SupportEquations
 
 /// Jᵀ w: what the ground supplies of r, length num_q(). In the base point's rows it is r if w meets (2).
 ///
-/// ground: w about the ankles, indexed by Side.
+/// ground: w about the ankles.
 VectorQ supported(const Robot& robot, const SupportEquations& equations, const Support& support,
-                  const std::array<Wrench, 2>& ground);
+                  const PerSide<Wrench>& ground);
 
 /// Builds the equations of a desired state. Refuses what complete_motion() refuses.
 Result<SupportEquations> support_equations(const Robot& robot, const DesiredState& desired);

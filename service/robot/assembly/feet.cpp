@@ -123,7 +123,7 @@ void add_feet(Robot& robot, const RobotDescription& description)
 {
   for (const auto& entry : description.feet)
   {
-    Foot& foot = robot.feet[static_cast<std::size_t>(entry.foot.side)];
+    Foot& foot = robot.feet[entry.foot.side];
     const std::string role = fmt::format("{} foot", name_of(entry.foot.side));
     if (foot.exists())
       fail(description, entry, fmt::format("there is a second {}; a biped has one on each side", role));
