@@ -20,7 +20,7 @@ struct Legs
 {
   Eigen::Vector2d origin;              // of the trunk's frame, m
   Eigen::Vector3d trunk;               // f*
-  std::array<Eigen::Vector3d, 2> rate; // n of each leg, indexed by Side
+  PerSide<Eigen::Vector3d> rate; // n of each leg, indexed by Side
 
   const Eigen::Vector3d& leg(Side side) const { return rate[static_cast<std::size_t>(side)]; }
 };
@@ -33,8 +33,8 @@ Legs legs_of(const Robot& robot, const SupportEquations& equations)
                                 equations.base_acceleration.y() + robot.mechanism.gravity());
   Legs legs{position(now, robot.link(robot.trunk).origin),
             Eigen::Vector3d::Zero(),
-            {Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero()}};
-  auto& [left, right] = legs.rate;
+            {{Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero()}}};
+  Eigen::Vector3d &left = legs.rate[0], &right = legs.rate[1];
   for (std::size_t i = 0; i < robot.links.size(); ++i)
   {
     if (robot.leg[i] == Side::right) // what the others leave of the whole

@@ -3,7 +3,7 @@
 #include "methods/method.h"
 #include "motion/differentiation.h"
 #include "motion/failure.h"
-#include "robot/files/robot_files.h"
+#include "robot/files/load.h"
 #include "text/number.h"
 
 #include <CLI/CLI.hpp>

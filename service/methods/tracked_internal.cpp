@@ -30,13 +30,13 @@ struct Legs
 Legs legs_of(const Robot& robot, const SupportEquations& equations)
 {
   const Kinematics& now = equations.now;
-  const VectorD& turning = equations.turn;
+  const VectorD& turning = equations.direction_acceleration;
   const Eigen::Vector2d base_up(equations.base_acceleration.x(),
                                 equations.base_acceleration.y() + robot.mechanism.gravity());
   Legs legs{position(now, robot.link(robot.trunk).origin),
             Eigen::Vector3d::Zero(),
-            {Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero()}};
-  auto& [left, right] = legs.rate;
+            {{Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero()}}};
+  Eigen::Vector3d &left = legs.rate[0], &right = legs.rate[1];
   for (std::size_t i = 0; i < robot.links.size(); ++i)
   {
     if (robot.leg[i] == Side::right) // what the others leave of the whole
