@@ -1,4 +1,5 @@
 #include "catch.h"
+#include "wire/messages.h"
 
 #include "motion/csv_lines.h"
 #include "study/answer_table.h"

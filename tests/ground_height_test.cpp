@@ -146,7 +146,7 @@ TEST_CASE("on two soles no method's answer depends on phase, and on a sole and a
 {
   oracle::Random random(902);
   const Robot robot = load_robot("ck");
-  std::array<int, methods().size()> follows{};
+  std::vector<int> follows(methods().size());
   for (int i = 0; i < kStates; ++i)
     for (std::size_t k = 0; k < methods().size(); ++k)
     {

@@ -1,4 +1,5 @@
 #include "catch.h"
+#include "methods/method.h"
 
 #include "daemon/lcm_loop.h"
 #include "daemon/lcm_receiver.h"
@@ -327,7 +328,7 @@ TEST_CASE("eval says which samples were rejected and why, and answers the others
                     "  UNKNOWN_METHOD, first: {0}:5: method is 77; expected {1}\n"
                     "  NOT_SUPPORTED, first: {0}:4: base is FROM_CONTACT (0), but neither foot has contact: in "
                     "flight the base must be GIVEN (1)\n",
-                    in, kMethodChoices));
+                    in, kMethodNumbers));
   const auto table = rows(csv);
   REQUIRE(table.size() == 5);
   CHECK(table[1].back() == "");
