@@ -9,6 +9,7 @@
 #include "study/answer_table.h"
 #include "study/tally.h"
 #include "text/printable.h"
+#include "wire/command_fields.h"
 
 #include <CLI/CLI.hpp>
 
@@ -146,28 +147,11 @@ public:
   }
   std::string line(const torque_command_t& command) override
   {
-    Json torque = Json::object();
-    for (std::size_t joint = 0; joint < joint_names_.size(); ++joint)
-      torque[joint_names_[joint]] = command.torque[joint];
-    return text({{"type", "torque_command"},
-                 {"utime", command.utime},
-                 {"stream_id", command.stream_id},
-                 {"sequence", command.sequence},
-                 {"model_id", command.model_id},
-                 {"settings_id", command.settings_id},
-                 {"method", method_name(command.method)},
-                 {"flags", flag_names(command.flags)},
-                 {"left", ground(command.left)},
-                 {"right", ground(command.right)},
-                 {"zmp", command.zmp},
-                 {"dynamics_residual", command.dynamics_residual},
-                 {"contact_speed", command.contact_speed},
-                 {"contact_residual", command.contact_residual},
-                 {"compute_ns", command.compute_ns},
-                 {"base_a", command.base_a},
-                 {"adjustment", command.adjustment},
-                 {"a", command.a},
-                 {"torque", torque}});
+    Json line{{"type", "torque_command"},        {"utime", command.utime},       {"stream_id", command.stream_id},
+              {"sequence", command.sequence},    {"model_id", command.model_id}, {"settings_id", command.settings_id},
+              {"compute_ns", command.compute_ns}};
+    for_each_field(Field{line, joint_names_}, command);
+    return text(line);
   }
   std::string line(const rejection_t& rejection) override
   {
@@ -189,14 +173,33 @@ private:
   {
     return object.dump(-1, ' ', false, Json::error_handler_t::replace) + '\n';
   }
-  static Json ground(const ground_reaction_t& reaction)
+  // one field of an answer; torques by joint, in whatever way people read the others
+  struct Field
   {
-    return {{"fx", reaction.fx},
-            {"fz", reaction.fz},
-            {"moment", reaction.moment},
-            {"cop", reaction.cop},
-            {"friction_ratio", reaction.friction_ratio}};
-  }
+    Json& line;
+    const std::vector<std::string>& joint_names;
+
+    void operator()(const std::string& name, double number) { line[name] = number; }
+    void operator()(const std::string& name, const std::vector<double>& numbers)
+    {
+      if (name != "torque")
+      {
+        line[name] = numbers;
+        return;
+      }
+      line[name] = Json::object();
+      for (std::size_t joint = 0; joint < joint_names.size(); ++joint)
+        line[name][joint_names[joint]] = numbers[joint];
+    }
+    void operator()(const std::string& name, const double (&numbers)[2]) { line[name] = numbers; }
+    void operator()(const std::string& name, const ground_reaction_t& foot)
+    {
+      for_each_number([&](const char* part, double number) { line[name][part] = number; }, foot);
+    }
+    void operator()(const std::string& name, std::int32_t flags) { line[name] = flag_names(flags); }
+    void operator()(const std::string& name, std::int8_t method) { line[name] = method_name(method); }
+  };
+
   std::vector<std::string> joint_names_;
 };
 

@@ -1,12 +1,10 @@
 #include "library/torque_client.h"
 
 #include "text/printable.h"
+#include "wire/command_fields.h"
 #include "wire/lcm_bus.h"
 
-#include <algorithm>
 #include <cmath>
-#include <initializer_list>
-#include <iterator>
 #include <stdexcept>
 #include <utility>
 
@@ -16,43 +14,34 @@ namespace torqued
 namespace
 {
 
-bool is_finite(double number)
+// Finds the first number that is not finite, by its name: "torque[3] is nan".
+struct NotFinite
 {
-  return std::isfinite(number);
-}
+  std::string found; // empty if all are finite
 
-// the first number that is not finite, by its name: "torque[3] is nan"; empty if there is none
-std::string not_finite(const torque_command_t& command)
-{
-  const auto among = [](const std::string& name, const auto& numbers) -> std::string
+  void operator()(const char* name, double number) { one(name, number); }
+  void operator()(const char* name, const std::vector<double>& numbers) { among(name, numbers); }
+  void operator()(const char* name, const double (&numbers)[2]) { among(name, numbers); }
+  void operator()(const char* name, const ground_reaction_t& foot)
   {
-    const auto found = std::find_if_not(std::begin(numbers), std::end(numbers), is_finite);
-    return found == std::end(numbers)
-               ? ""
-               : name + "[" + std::to_string(found - std::begin(numbers)) + "] is " + std::to_string(*found);
-  };
-  for (const std::string& found :
-       {among("torque", command.torque), among("a", command.a), among("base_a", command.base_a)})
-    if (!found.empty())
-      return found;
-  using Numbers = std::initializer_list<std::pair<const char*, double>>;
-  for (const auto& [foot, reaction] : {std::pair("left.", &command.left), std::pair("right.", &command.right)})
-    for (const auto& [name, number] : Numbers{{"fx", reaction->fx},
-                                              {"fz", reaction->fz},
-                                              {"moment", reaction->moment},
-                                              {"cop", reaction->cop},
-                                              {"friction_ratio", reaction->friction_ratio}})
-      if (!is_finite(number))
-        return std::string(foot) + name + " is " + std::to_string(number);
-  for (const auto& [name, number] : Numbers{{"zmp", command.zmp},
-                                            {"dynamics_residual", command.dynamics_residual},
-                                            {"contact_speed", command.contact_speed},
-                                            {"contact_residual", command.contact_residual},
-                                            {"adjustment", command.adjustment}})
-    if (!is_finite(number))
-      return std::string(name) + " is " + std::to_string(number);
-  return "";
-}
+    for_each_number([&](const char* part, double number) { one(std::string(name) + "." + part, number); }, foot);
+  }
+  void operator()(const char*, std::int32_t) {} // flags
+  void operator()(const char*, std::int8_t) {}  // method
+
+private:
+  void one(const std::string& name, double number)
+  {
+    if (found.empty() && !std::isfinite(number))
+      found = name + " is " + std::to_string(number);
+  }
+  template <typename Numbers> void among(const std::string& name, const Numbers& numbers)
+  {
+    int i = 0;
+    for (const double number : numbers)
+      one(name + "[" + std::to_string(i++) + "]", number);
+  }
+};
 
 // "ck (model_id 5)"
 std::string shown_robot(const model_info_t& model)
@@ -136,8 +125,9 @@ std::string TorqueClient::objection(const torque_command_t& command) const
     return "the command has " + std::to_string(command.num_joints) + " torques and " +
            std::to_string(command.num_coordinates) + " accelerations; expected " + std::to_string(model_->num_joints) +
            " and " + std::to_string(model_->num_coordinates) + ", those of " + shown_robot(*model_);
-  const std::string number = not_finite(command);
-  return number.empty() ? "" : "a number of the command is not finite: " + number;
+  NotFinite check;
+  for_each_field(check, command);
+  return check.found.empty() ? "" : "a number of the command is not finite: " + check.found;
 }
 
 void TorqueClient::require_outside_callback(const char* function) const

@@ -24,6 +24,16 @@ inline auto& right_of(const torque_command_t& command)
   return command.right;
 }
 
+/// see(name, number) for each number of the reaction under a foot.
+template <typename See> void for_each_number(See&& see, const ground_reaction_t& foot)
+{
+  see("fx", foot.fx);
+  see("fz", foot.fz);
+  see("moment", foot.moment);
+  see("cop", foot.cop);
+  see("friction_ratio", foot.friction_ratio);
+}
+
 /// see(name, field...) for each field, with those of all commands at once: torque_command_t, or what has fields of the
 /// same names.
 template <typename See, typename... Commands> void for_each_field(See&& see, Commands&... command)

@@ -5,6 +5,7 @@
 
 #include "answer/answer.h"
 #include "answer/answer_dynamics.h"
+#include "answer/command.h"
 #include "robot/files/load.h"
 #include "robot/files/robot_files.h"
 #include "wire/finite.h"
