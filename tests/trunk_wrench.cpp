@@ -18,8 +18,8 @@ Eigen::Vector3d about(const Eigen::Vector2d& r, const Eigen::Vector3d& f)
 // The trunk, the legs and the feet; wrenches about the trunk's origin.
 struct Legs
 {
-  Eigen::Vector2d origin;              // of the trunk's frame, m
-  Eigen::Vector3d trunk;               // f*
+  Eigen::Vector2d origin;        // of the trunk's frame, m
+  Eigen::Vector3d trunk;         // f*
   PerSide<Eigen::Vector3d> rate; // n of each leg, indexed by Side
 
   const Eigen::Vector3d& leg(Side side) const { return rate[static_cast<std::size_t>(side)]; }

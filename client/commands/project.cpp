@@ -154,8 +154,8 @@ struct Report
 
   std::string text(const Robot& robot) const
   {
-    const bool slides = std::any_of(robot.links.begin(), robot.links.end(),
-                                    [](const Link& link) { return link.type().slides(); });
+    const bool slides =
+        std::any_of(robot.links.begin(), robot.links.end(), [](const Link& link) { return link.type().slides(); });
     const auto unit = [slides](const std::string& per)
     {
       return slides ? fmt::format("rad{0} or m{0}", per) : "rad" + per;

@@ -5,9 +5,9 @@
 #include "motion/failure.h"
 #include "motion/lcm_log.h"
 #include "motion/table_text.h"
+#include "robot/files/load.h"
 #include "text/number.h"
 #include "text/plain_text.h"
-#include "robot/files/load.h"
 #include "text/printable.h"
 #include "wire/codec.h"
 

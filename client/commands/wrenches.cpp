@@ -24,8 +24,7 @@ namespace
 
 bool slides(const Robot& robot)
 {
-  return std::any_of(robot.links.begin(), robot.links.end(),
-                     [](const Link& link) { return link.type().slides(); });
+  return std::any_of(robot.links.begin(), robot.links.end(), [](const Link& link) { return link.type().slides(); });
 }
 
 std::vector<std::string> columns(const Robot& robot)

@@ -13,12 +13,12 @@ struct TorqueSolution
   TorqueSolution(const Robot& robot, const SupportEquations& equations, const Support& support, Method method,
                  const WrenchVector& w, bool clamped = false, bool relaxed = false);
 
-  Method method;                ///< none when nothing had to be chosen
-  bool clamped, relaxed;        ///< of the Reactions
-  WrenchVector w;               ///< in the order of the rows of J, about the contact points
-  PerSide<Wrench> ground;       ///< the same about the ankles
-  VectorQ from_ground;          ///< Jᵀ w
-  VectorJ torque;               ///< N m, in the actuators' order
+  Method method;          ///< none when nothing had to be chosen
+  bool clamped, relaxed;  ///< of the Reactions
+  WrenchVector w;         ///< in the order of the rows of J, about the contact points
+  PerSide<Wrench> ground; ///< the same about the ankles
+  VectorQ from_ground;    ///< Jᵀ w
+  VectorJ torque;         ///< N m, in the actuators' order
 
   /// r − Jᵀ w, as a function of the row. equations: those that were solved.
   auto motor_forces(const SupportEquations& equations) const

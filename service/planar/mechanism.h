@@ -12,8 +12,8 @@
 ///   φ = W θ                                                                            (W constant)
 ///
 /// against the world. The first of them are the members of θ; bars follow, and directions that never turn and carry
-/// nothing, up to a whole number of blocks. A *point* of the mechanism is the base point plus arms, each constant in its
-/// direction's frame:
+/// nothing, up to a whole number of blocks. A *point* of the mechanism is the base point plus arms, each constant in
+/// its direction's frame:
 ///
 ///   p = p_base + Σₖ R(φₖ) rₖ
 ///
