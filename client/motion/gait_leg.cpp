@@ -9,6 +9,7 @@
 // obey, and finds the knee that bends like a human's; Newton's method alone may find the other one.
 
 #include "motion/gait_parts.h"
+#include "planar/kinematics.h"
 
 #include <Eigen/LU>
 #include <cmath>

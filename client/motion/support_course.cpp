@@ -63,7 +63,7 @@ std::vector<Support> follow_contacts(const std::vector<std::int64_t>& utime, con
   const std::size_t size = contacts.size();
   std::vector<Support> supports;
   for (const Contacts& pair : contacts)
-    supports.push_back({pair, Side::left, 0.0, 0.0});
+    supports.push_back({{pair}, Side::left, 0.0, 0.0});
 
   // the share of the time of [begin, end) that has passed at a sample
   const auto share = [&](std::size_t begin, std::size_t end, std::size_t sample)
