@@ -113,7 +113,7 @@ public:
       in_->fail(key, fmt::format("expected {}", expected));
     value = found.diagonal();
   }
-  void weights(std::string_view key, JointWeights& value, std::string_view) override
+  void weights(std::string_view key, JointWeights& value) override
   {
     if (!in_)
       return;
@@ -193,13 +193,14 @@ public:
   {
     line(key, fmt::format("[{}]", fmt::join(value, ", ")), what);
   }
-  void weights(std::string_view key, JointWeights& W, std::string_view what) override
+  void weights(std::string_view key, JointWeights& W) override
   {
     std::vector<std::string> entries;
     for (Eigen::Index i = 0; i < W.rows(); ++i)
       entries.push_back(W.isDiagonal(0.0) ? fmt::format("{}", W(i, i))
                                           : fmt::format("[{}]", fmt::join(W.row(i), ", ")));
-    line(key, fmt::format("[{}]", fmt::join(entries, ", ")), what);
+    line(key, fmt::format("[{}]", fmt::join(entries, ", ")),
+         "of each motor's torque, or a symmetric positive definite matrix; []: all 1");
   }
   void word(std::string_view key, int& value, std::span<const std::string_view> words, std::string_view what) override
   {

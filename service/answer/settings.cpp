@@ -33,7 +33,7 @@ public:
     for (const double number : value)
       add(key, number);
   }
-  void weights(std::string_view key, JointWeights& value, std::string_view) override
+  void weights(std::string_view key, JointWeights& value) override
   {
     for (const double number : value.reshaped())
       add(key, number);
@@ -68,7 +68,7 @@ public:
   void three(std::string_view, Eigen::Vector3d&, std::string_view, std::string_view) override {}
   void word(std::string_view, int&, std::span<const std::string_view>, std::string_view) override {}
   void table(std::string_view name) override { table_ = name; }
-  void weights(std::string_view key, JointWeights& value, std::string_view) override
+  void weights(std::string_view key, JointWeights& value) override
   {
     if (value.size() > 0 && value.rows() != num_joints_ && !complaint_)
       complaint_ =

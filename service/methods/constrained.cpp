@@ -423,7 +423,7 @@ Result<Reactions> constrained(const Robot& robot, const SupportEquations& equati
 static void list(Constrained& settings, SettingList& with)
 {
   const Range force{0.0, std::numeric_limits<double>::max(), "\"robot\", or a force of 0 N or more"};
-  with.weights("weights", settings.weights, "of each motor's torque");
+  with.weights("weights", settings.weights);
   with.boolean("windows", settings.windows, "bounds that close where contacts change, so that torques do not jump");
   with.number("reference_weight", settings.reference_weight, not_negative(),
               "of the distance to zmp-transition's reactions, x leg length, beside that of the torques");

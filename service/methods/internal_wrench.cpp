@@ -5,7 +5,7 @@ namespace torqued
 
 static void list(InternalWrench& settings, SettingList& with)
 {
-  with.weights("weights", settings.weights, "of each motor's torque");
+  with.weights("weights", settings.weights);
 }
 
 MethodRow internal_wrench_row()

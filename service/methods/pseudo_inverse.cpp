@@ -54,7 +54,7 @@ Result<Reactions> pseudo_inverse(const Robot& robot, const SupportEquations& equ
 
 static void list(PseudoInverse& settings, SettingList& with)
 {
-  with.weights("weights", settings.weights, "of each motor's torque");
+  with.weights("weights", settings.weights);
   with.three("reaction_weights", settings.reaction_weights, "three positive numbers: of f_x, of f_z and of the moment",
              "of f_x, f_z and moment");
 }

@@ -39,7 +39,8 @@ public:
   /// Three positive numbers; `expected` says so in complaints.
   virtual void three(std::string_view key, Eigen::Vector3d& value, std::string_view expected,
                      std::string_view what) = 0;
-  virtual void weights(std::string_view key, JointWeights& value, std::string_view what) = 0;
+  /// Of each motor's torque, or a symmetric positive definite matrix.
+  virtual void weights(std::string_view key, JointWeights& value) = 0;
   virtual void word(std::string_view key, int& value, std::span<const std::string_view> words,
                     std::string_view what) = 0;
   /// The settings that follow belong to a table of this name.

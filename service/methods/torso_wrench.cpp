@@ -5,7 +5,7 @@ namespace torqued
 
 static void list(TorsoWrench& settings, SettingList& with)
 {
-  with.weights("weights", settings.weights, "of each motor's torque");
+  with.weights("weights", settings.weights);
 }
 
 MethodRow torso_wrench_row()

@@ -22,6 +22,24 @@ std::optional<Refusal> check_share(std::string_view field, double value)
   return {};
 }
 
+std::optional<Refusal> check_ranges(int coordinates, int base, int left_contact, int right_contact, int leading_foot,
+                                    const Support& support)
+{
+  if (auto refusal = check_choice("coordinates", coordinates, 1, kCoordinatesChoices))
+    return refusal;
+  if (auto refusal = check_choice("base", base, 1, "FROM_CONTACT (0) or GIVEN (1)"))
+    return refusal;
+  if (auto refusal = check_contact_fields(left_contact, right_contact))
+    return refusal;
+  if (auto refusal = check_choice("leading_foot", leading_foot, 1, "LEFT (0) or RIGHT (1)"))
+    return refusal;
+  if (auto refusal = check_share("load_transfer", support.load_transfer))
+    return refusal;
+  if (auto refusal = check_share("phase", support.phase))
+    return refusal;
+  return {};
+}
+
 } // namespace
 
 Sender read_sender(Bytes message)
@@ -84,10 +102,10 @@ Result<DesiredState> decode_desired_state(Bytes message, const Robot& robot)
                    robot.name);
 
   // every number finite, whether it is used or not
-  if (auto refusal = check_finite("load_transfer", -1, desired.support.load_transfer))
-    return *refusal;
-  if (auto refusal = check_finite("phase", -1, desired.support.phase))
-    return *refusal;
+  for (const auto& [field, number] :
+       {std::pair("load_transfer", desired.support.load_transfer), std::pair("phase", desired.support.phase)})
+    if (auto refusal = check_finite(field, -1, number))
+      return *refusal;
   constexpr std::string_view base_fields[] = {"base_q", "base_v", "base_a"};
   for (int i = 0; i < 6; ++i)
     if (auto refusal = check_finite(base_fields[i / 2], i % 2, base_motion[static_cast<std::size_t>(i)]))
@@ -95,18 +113,7 @@ Result<DesiredState> decode_desired_state(Bytes message, const Robot& robot)
   if (auto refusal = read_motion(cursor, robot, desired))
     return *refusal;
 
-  // every field in its range
-  if (auto refusal = check_choice("coordinates", coordinates, 1, kCoordinatesChoices))
-    return *refusal;
-  if (auto refusal = check_choice("base", base, 1, "FROM_CONTACT (0) or GIVEN (1)"))
-    return *refusal;
-  if (auto refusal = check_contact_fields(left_contact, right_contact))
-    return *refusal;
-  if (auto refusal = check_choice("leading_foot", leading_foot, 1, "LEFT (0) or RIGHT (1)"))
-    return *refusal;
-  if (auto refusal = check_share("load_transfer", desired.support.load_transfer))
-    return *refusal;
-  if (auto refusal = check_share("phase", desired.support.phase))
+  if (auto refusal = check_ranges(coordinates, base, left_contact, right_contact, leading_foot, desired.support))
     return *refusal;
   desired.method = static_cast<Method>(method);
   if (method != 0 && name_of(desired.method) == name_of(Method::none))
