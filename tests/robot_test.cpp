@@ -247,15 +247,15 @@ TEST_CASE("a bad robot file is refused with file, line, key and what would be ri
        "link 'trunk': mass: found -29.2; expected a number that is not negative"},
       {"mass = 29.2", "mass = nan", "mass = nan", "link 'trunk': mass: found nan; expected a finite number"},
       {"mass = 29.2", "mass = inf", "mass = inf", "link 'trunk': mass: found inf; expected a finite number"},
-      {"mass = 29.2", "mass = \"29.2 kg\"", "29.2 kg", "link 'trunk': mass: found '29.2 kg'; expected a number"},
+      {"mass = 29.2", "mass = \"29.2 kg\"", "29.2 kg", "link 'trunk': mass: found '29.2 kg'; expected a finite number"},
       {"mass = 29.2", "mass = 1,5", "mass = 1,5", "not TOML"},
       {"mass = 29.2", "mass = 1kg", "mass = 1kg", "not TOML"},
-      {"mass = 29.2\n", "", "[[link]]\nname = \"trunk\"", "link 'trunk': mass: is missing; expected a number"},
+      {"mass = 29.2\n", "", "[[link]]\nname = \"trunk\"", "link 'trunk': mass: is missing; expected a finite number"},
       {"mass = 29.2", "mass = 29.2\nmasss = 1.0", "masss",
        "link 'trunk': masss: is not known here; known are: base, com,"},
       {"inertia = 0.81", "inertia = -0.81", "-0.81", "link 'trunk': inertia: found -0.81"},
       {"com = [0.0, 0.19]", "com = [0.0, 0.19, 0.0]", "0.19, 0.0]", "link 'trunk': com: found"},
-      {"com = [0.0, 0.19]", "com = 0.19", "com = 0.19", "expected two numbers, [x, z]"},
+      {"com = [0.0, 0.19]", "com = 0.19", "com = 0.19", "expected two finite numbers, [x, z]"},
       {"joint = \"floating\"", "joint = \"prismatic\"", "prismatic",
        "found \"prismatic\"; expected one of: floating, revolute, rolling, parallel, slide, fixed"},
       {"joint = \"floating\"", "joint = \"fixed\"\nparent = \"left_thigh\"\nat = [0.0, 0.0]", "base = [",
@@ -267,9 +267,9 @@ TEST_CASE("a bad robot file is refused with file, line, key and what would be ri
       {"parent = \"trunk\"", "parent = \"left_foot\"", "[[link]]\nname = \"left_foot\"",
        "link 'left_foot' does not hang on the root"},
       {"name = \"ck\"", "name = \"a robot\"", "a robot", "name: found \"a robot\"; expected 1 to 64 letters"},
-      {"name = \"ck\"\n", "", "# A planar", "name: is missing; expected a text"},
+      {"name = \"ck\"\n", "", "# A planar", "name: is missing; expected a text in quotes"},
       {"gravity = 9.81", "gravity = 0", "gravity = 0", "gravity: found 0; expected a positive number"},
-      {"gravity = 9.81", "gravity = true", "gravity = true", "gravity: found true; expected a number"},
+      {"gravity = 9.81", "gravity = true", "gravity = true", "gravity: found true; expected a finite number"},
       {"on = \"left_shin\"", "on = \"left_toe\"", "[[actuator]]\nname = \"left_ankle\"",
        "actuator 'left_ankle': on \"left_toe\" is not the name"},
       {"against = \"left_foot\"", "against = \"left_shin\"", "[[actuator]]\nname = \"left_ankle\"",
@@ -328,8 +328,9 @@ TEST_CASE("joints that roll, slide or stand on the world are checked too", "[rob
   const std::string left_knee = "[[actuator]]\nname = \"left_knee\"";
   const std::vector<Row> rows{
       {"rk", "parent_radius = 0.035\n", "", left_shin,
-       "link 'left_shin': parent_radius: is missing; expected a number"},
-      {"rk", "child_radius = 0.05\n", "", left_shin, "link 'left_shin': child_radius: is missing; expected a number"},
+       "link 'left_shin': parent_radius: is missing; expected a finite number"},
+      {"rk", "child_radius = 0.05\n", "", left_shin,
+       "link 'left_shin': child_radius: is missing; expected a finite number"},
       {"rk", "parent_radius = 0.035", "parent_radius = -0.035", "-0.035",
        "parent_radius: found -0.035; expected a number that is not negative"},
       {"rk", "parent_radius = 0.035\nchild_radius = 0.05", "parent_radius = 0\nchild_radius = 0", left_shin,
@@ -363,7 +364,7 @@ TEST_CASE("joints that roll, slide or stand on the world are checked too", "[rob
       {"ck", "torque_limit = 150.0", "coulomb = -1", "coulomb", "coulomb: found -1; expected a number that is not"},
       {"ck", "torque_limit = 150.0", "viscous = inf", "viscous", "viscous: found inf; expected a finite number"},
       {"ck", "torque_limit = 150.0", "rate_limit = -1", "rate_limit", "rate_limit: found -1; expected"},
-      {"ck", "torque_limit = 150.0", "offset = \"0\"", "offset", "offset: found '0'; expected a number"},
+      {"ck", "torque_limit = 150.0", "offset = \"0\"", "offset", "offset: found '0'; expected a finite number"},
       {"ck", "name = \"trunk\"", "name = \"world\"", "name = \"world\"",
        "name: found \"world\"; that is what a fixed root"},
       {"ck", "gravity = 9.81", "urdf = \"no.urdf\"", "urdf",
@@ -393,7 +394,7 @@ TEST_CASE("joints that roll, slide or stand on the world are checked too", "[rob
 
 TEST_CASE("a file that is no robot at all is refused", "[robot]")
 {
-  CHECK(complaint("") == "r.toml:1: name: is missing; expected a text");
+  CHECK(complaint("") == "r.toml:1: name: is missing; expected a text in quotes");
   CHECK(complaint("name = \"x\"\n").find("there is no [[link]]") != std::string::npos);
   CHECK(complaint(std::string("name = \"\0\"", 10)).find("not TOML") != std::string::npos);
   CHECK(complaint("link = 3\nname = \"x\"").find("link: found 3; expected tables, [[link]]") != std::string::npos);

@@ -20,19 +20,11 @@ Eigen::Vector2d turned(double angle, const Eigen::Vector2d& r)
   return angle == 0.0 ? r : rotate({std::cos(angle), std::sin(angle)}, r);
 }
 
-// Text that grows line by line; numbers are written so that they read back as the same numbers.
-class Writer
+// Numbers are written so that they read back as the same numbers.
+template <typename... Args> void add(std::string& text, fmt::format_string<Args...> format, Args&&... args)
 {
-public:
-  template <typename... Args> void add(fmt::format_string<Args...> format, Args&&... args)
-  {
-    fmt::format_to(std::back_inserter(text_), format, std::forward<Args>(args)...);
-  }
-  const std::string& text() const { return text_; }
-
-private:
-  std::string text_;
-};
+  fmt::format_to(std::back_inserter(text), format, std::forward<Args>(args)...);
+}
 
 // A text as TOML, over several lines if it has them.
 std::string quoted(const std::string& text)
@@ -70,12 +62,12 @@ double angle_in(Frames frames, const Link& link)
   return frames == Frames::aligned ? link.direction_angle : 0.0;
 }
 
-void add_head(Writer& toml, const Robot& robot)
+void add_head(std::string& toml, const Robot& robot)
 {
-  toml.add("name = \"{}\"\n", robot.name);
+  add(toml, "name = \"{}\"\n", robot.name);
   if (!robot.source.empty())
-    toml.add("source = {}\n", quoted(robot.source));
-  toml.add("gravity = {}\n", robot.mechanism.gravity());
+    add(toml, "source = {}\n", quoted(robot.source));
+  add(toml, "gravity = {}\n", robot.mechanism.gravity());
 }
 
 // what a link's entry says besides geometry
@@ -106,29 +98,29 @@ LinkWords words_of(const Robot& robot, const Link& link, Frames frames)
   return words;
 }
 
-void add_actuators(Writer& toml, const Robot& robot, Frames frames)
+void add_actuators(std::string& toml, const Robot& robot, Frames frames)
 {
   const auto add_unless = [&toml](std::string_view key, double value, double fallback)
   {
     if (value != fallback)
-      toml.add("{} = {}\n", key, value);
+      add(toml, "{} = {}\n", key, value);
   };
   for (int i = 0; i < robot.num_joints(); ++i)
   {
     const Actuator& actuator = robot.actuators[static_cast<std::size_t>(i)];
-    toml.add("\n[[actuator]]\nname = \"{}\"\non = \"{}\"\nagainst = \"{}\"\n", actuator.name,
-             robot.link(actuator.on).name, robot.link(actuator.against).name);
+    add(toml, "\n[[actuator]]\nname = \"{}\"\non = \"{}\"\nagainst = \"{}\"\n", actuator.name,
+        robot.link(actuator.on).name, robot.link(actuator.against).name);
     if (const std::string& name = robot.relative_names[static_cast<std::size_t>(i)]; name != actuator.name)
-      toml.add("coordinate = \"{}\"\n", name);
+      add(toml, "coordinate = \"{}\"\n", name);
     add_unless("offset", frames == Frames::aligned ? robot.b(i) : actuator.offset, 0.0);
     if (actuator.placement != Placement::links)
-      toml.add("between = \"{}\"\n", name_of(actuator.placement));
+      add(toml, "between = \"{}\"\n", name_of(actuator.placement));
     for (const auto& [key, value, range] : kActuatorNumbers)
       add_unless(key, actuator.*value, Actuator().*value);
   }
 }
 
-void add_feet(Writer& toml, const Robot& robot, Frames frames)
+void add_feet(std::string& toml, const Robot& robot, Frames frames)
 {
   for (const Side side : kSides)
   {
@@ -138,18 +130,17 @@ void add_feet(Writer& toml, const Robot& robot, Frames frames)
     const Link& link = robot.link(foot.link);
     const double angle = angle_in(frames, link);
     if (angle != 0.0 && foot.has_extent())
-      throw FileError(
-          fmt::format("link '{}' rides on '{}' at an angle and has a sole; in a URDF's frames that sole is not "
-                      "level, and this robot has no URDF",
-                      link.name, robot.link(link.parent).name));
-    toml.add("\n[[foot]]\nside = \"{}\"\nlink = \"{}\"\n", name_of(side), link.name);
+      throw FileError(fmt::format("link '{}' rides on '{}' at an angle and has a sole; in a URDF's frames that sole is "
+                                  "not level, and this robot has no URDF",
+                                  link.name, robot.link(link.parent).name));
+    add(toml, "\n[[foot]]\nside = \"{}\"\nlink = \"{}\"\n", name_of(side), link.name);
     if (!foot.ankle_at.isZero(0.0))
-      toml.add("ankle = {}\n", vector(turned(angle, foot.ankle_at)));
+      add(toml, "ankle = {}\n", vector(turned(angle, foot.ankle_at)));
     if (foot.heel_at != foot.ankle_at || foot.has_extent())
-      toml.add("heel = {}\ntoe = {}\n", vector(turned(angle, foot.heel_at)), vector(turned(angle, foot.toe_at)));
-    toml.add("friction = {}\n", foot.friction);
+      add(toml, "heel = {}\ntoe = {}\n", vector(turned(angle, foot.heel_at)), vector(turned(angle, foot.toe_at)));
+    add(toml, "friction = {}\n", foot.friction);
     if (foot.f_min != 0.0)
-      toml.add("f_min = {}\n", foot.f_min);
+      add(toml, "f_min = {}\n", foot.f_min);
   }
 }
 
@@ -165,7 +156,7 @@ public:
 
   std::string text()
   {
-    urdf_.add(
+    add(urdf_,
         "<?xml version=\"1.0\"?>\n"
         "<!-- The links and joints of {0}. A URDF cannot say all of a robot: its feet, what its actuators act "
         "between,\n"
@@ -185,26 +176,27 @@ public:
     for (const Link& link : robot_.links)
       if (link.parent >= 0)
         add_joint_of(link);
-    urdf_.add("</robot>\n");
-    return urdf_.text();
+    add(urdf_, "</robot>\n");
+    return urdf_;
   }
 
 private:
-  void add_massless(const std::string& name) { urdf_.add("  <link name=\"{}\"/>\n", name); }
+  void add_massless(const std::string& name) { add(urdf_, "  <link name=\"{}\"/>\n", name); }
 
   void add_link(const Link& link)
   {
     if (link.mass == 0.0 && link.inertia == 0.0)
       return add_massless(link.name);
     const Eigen::Vector2d com = turned(link.direction_angle, link.com);
-    urdf_.add("  <link name=\"{0}\">\n"
-              "    <inertial>\n"
-              "      <origin xyz=\"{1} 0 {2}\"/>\n"
-              "      <mass value=\"{3}\"/>\n"
-              "      <inertia ixx=\"{4}\" ixy=\"0\" ixz=\"0\" iyy=\"{4}\" iyz=\"0\" izz=\"{4}\"/>\n"
-              "    </inertial>\n"
-              "  </link>\n",
-              link.name, com.x(), com.y(), link.mass, link.inertia);
+    add(urdf_,
+        "  <link name=\"{0}\">\n"
+        "    <inertial>\n"
+        "      <origin xyz=\"{1} 0 {2}\"/>\n"
+        "      <mass value=\"{3}\"/>\n"
+        "      <inertia ixx=\"{4}\" ixy=\"0\" ixz=\"0\" iyy=\"{4}\" iyz=\"0\" izz=\"{4}\"/>\n"
+        "    </inertial>\n"
+        "  </link>\n",
+        link.name, com.x(), com.y(), link.mass, link.inertia);
   }
 
   void add_joint_of(const Link& link)
@@ -244,13 +236,14 @@ private:
   void add_joint(const std::string& name, std::string_view type, const std::string& parent, const std::string& child,
                  const Eigen::Vector2d& at, const std::string& rest = "")
   {
-    urdf_.add("  <joint name=\"{}\" type=\"{}\">\n"
-              "    <origin xyz=\"{} 0 {}\"/>\n"
-              "    <parent link=\"{}\"/>\n"
-              "    <child link=\"{}\"/>\n"
-              "{}"
-              "  </joint>\n",
-              name, type, at.x(), at.y(), parent, child, rest);
+    add(urdf_,
+        "  <joint name=\"{}\" type=\"{}\">\n"
+        "    <origin xyz=\"{} 0 {}\"/>\n"
+        "    <parent link=\"{}\"/>\n"
+        "    <child link=\"{}\"/>\n"
+        "{}"
+        "  </joint>\n",
+        name, type, at.x(), at.y(), parent, child, rest);
   }
 
   // the name of the actuator between a link and its parent, or the link's
@@ -280,7 +273,7 @@ private:
       "    <axis xyz=\"0 1 0\"/>\n    <limit lower=\"-1e9\" upper=\"1e9\" effort=\"1e9\" velocity=\"1e9\"/>\n";
 
   const Robot& robot_;
-  Writer urdf_;
+  std::string urdf_;
   std::set<std::string> link_names_, joint_names_;
 };
 
@@ -288,28 +281,28 @@ private:
 
 std::string to_toml(const Robot& robot)
 {
-  Writer toml;
+  std::string toml;
   add_head(toml, robot);
   for (const Link& link : robot.links)
   {
     const LinkWords words = words_of(robot, link, Frames::own);
-    toml.add("\n[[link]]\nname = \"{}\"\njoint = \"{}\"\n", link.name, link.type().name);
+    add(toml, "\n[[link]]\nname = \"{}\"\njoint = \"{}\"\n", link.name, link.type().name);
     if (link.parent >= 0)
-      toml.add("parent = \"{}\"\nat = {}\n", robot.link(link.parent).name, vector(link.at));
+      add(toml, "parent = \"{}\"\nat = {}\n", robot.link(link.parent).name, vector(link.at));
     else if (!link.type().floats())
-      toml.add("parent = \"{}\"\n", kWorld);
+      add(toml, "parent = \"{}\"\n", kWorld);
     if (link.angle != 0.0)
-      toml.add("angle = {}\n", link.angle);
+      add(toml, "angle = {}\n", link.angle);
     if (link.type().bar)
-      toml.add("parent_radius = {}\nchild_radius = {}\n", link.parent_radius, link.child_radius);
-    toml.add("{}{}mass = {}\n", words.base, words.coordinate, link.mass);
+      add(toml, "parent_radius = {}\nchild_radius = {}\n", link.parent_radius, link.child_radius);
+    add(toml, "{}{}mass = {}\n", words.base, words.coordinate, link.mass);
     if (!link.com.isZero(0.0))
-      toml.add("com = {}\n", vector(link.com));
-    toml.add("inertia = {}\n{}", link.inertia, words.drawing);
+      add(toml, "com = {}\n", vector(link.com));
+    add(toml, "inertia = {}\n{}", link.inertia, words.drawing);
   }
   add_actuators(toml, robot, Frames::own);
   add_feet(toml, robot, Frames::own);
-  return toml.text();
+  return toml;
 }
 
 std::string to_urdf(const Robot& robot)
@@ -319,15 +312,15 @@ std::string to_urdf(const Robot& robot)
 
 std::string to_companion_toml(const Robot& robot, const std::string& urdf_file)
 {
-  Writer toml;
+  std::string toml;
   add_head(toml, robot);
-  toml.add("urdf = {}\n", quoted(urdf_file));
+  add(toml, "urdf = {}\n", quoted(urdf_file));
   for (const Link& link : robot.links)
     if (const LinkWords words = words_of(robot, link, Frames::aligned); !words.empty())
-      toml.add("\n[[link]]\nname = \"{}\"\n{}{}{}", link.name, words.base, words.coordinate, words.drawing);
+      add(toml, "\n[[link]]\nname = \"{}\"\n{}{}{}", link.name, words.base, words.coordinate, words.drawing);
   add_actuators(toml, robot, Frames::aligned);
   add_feet(toml, robot, Frames::aligned);
-  return toml.text();
+  return toml;
 }
 
 } // namespace torqued

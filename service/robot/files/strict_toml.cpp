@@ -8,7 +8,6 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 #include <iterator>
-#include <limits>
 #include <sstream>
 
 namespace torqued
@@ -22,6 +21,43 @@ std::string shown_node(const toml::node& node)
   std::ostringstream text;
   node.visit([&](const auto& value) { text << value; });
   return printable(text.str(), kLongestShown);
+}
+
+std::optional<double> finite_number(const toml::node& node)
+{
+  const std::optional<double> number = node.is_number() ? node.value<double>() : std::nullopt;
+  return number && std::isfinite(*number) ? number : std::nullopt;
+}
+
+template <typename Value> std::optional<Value> exactly(const toml::node& node)
+{
+  return node.value_exact<Value>();
+}
+
+// numbers, row by row, or those of a diagonal
+std::optional<Eigen::MatrixXd> square_matrix(const toml::node& node, std::size_t most)
+{
+  const toml::array* array = node.as_array();
+  if (!array || array->size() > most)
+    return {};
+  const std::size_t size = array->size();
+  const bool diagonal = size > 0 && (*array)[0].is_number();
+  Eigen::MatrixXd value = Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(size), static_cast<Eigen::Index>(size));
+  for (std::size_t i = 0; i < size; ++i)
+  {
+    const toml::node& entry = (*array)[i];
+    const toml::array* row = entry.as_array();
+    if (!diagonal && (!row || row->size() != size))
+      return {};
+    for (std::size_t k = diagonal ? i : 0; k < (diagonal ? i + 1 : size); ++k)
+    {
+      const std::optional<double> number = finite_number(diagonal ? entry : (*row)[k]);
+      if (!number)
+        return {};
+      value(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(k)) = *number;
+    }
+  }
+  return value;
 }
 
 // The parser follows a dotted key, a.b.c, one call deeper for each dot, without a limit of its own.
@@ -81,19 +117,24 @@ const toml::node* StrictTable::find(std::string_view key)
   return table_->get(key);
 }
 
-double StrictTable::number(std::string_view key, std::optional<double> fallback)
+template <typename Value, typename Convert>
+Value StrictTable::read(std::string_view key, std::optional<Value> fallback, std::string_view expected,
+                        const Convert& convert)
 {
   const toml::node* node = find(key);
   if (!node && fallback)
-    return *fallback;
+    return *std::move(fallback);
   if (!node)
-    fail(key, "is missing; expected a number");
-  if (!node->is_number())
-    wrong_type(key, *node, "a number");
-  const double value = *node->value<double>();
-  if (!std::isfinite(value))
-    wrong_type(key, *node, "a finite number");
-  return value;
+    fail(key, fmt::format("is missing; expected {}", expected));
+  std::optional<Value> value = convert(*node);
+  if (!value)
+    wrong_type(key, *node, expected);
+  return *std::move(value);
+}
+
+double StrictTable::number(std::string_view key, std::optional<double> fallback)
+{
+  return read(key, fallback, "a finite number", finite_number);
 }
 
 double StrictTable::magnitude(std::string_view key, std::optional<double> fallback)
@@ -112,89 +153,45 @@ bool StrictTable::is_number(std::string_view key) const
 
 std::string StrictTable::text(std::string_view key, std::optional<std::string> fallback)
 {
-  const toml::node* node = find(key);
-  if (!node && fallback)
-    return *fallback;
-  if (!node)
-    fail(key, "is missing; expected a text");
-  if (!node->is_string())
-    wrong_type(key, *node, "a text in quotes");
-  return *node->value<std::string>();
+  return read(key, std::move(fallback), "a text in quotes", exactly<std::string>);
 }
 
 bool StrictTable::boolean(std::string_view key, std::optional<bool> fallback)
 {
-  const toml::node* node = find(key);
-  if (!node && fallback)
-    return *fallback;
-  if (!node)
-    fail(key, "is missing; expected true or false");
-  if (!node->is_boolean())
-    wrong_type(key, *node, "true or false");
-  return *node->value<bool>();
+  return read(key, fallback, "true or false", exactly<bool>);
 }
 
 Eigen::Vector2d StrictTable::vector(std::string_view key, std::optional<Eigen::Vector2d> fallback)
 {
-  const toml::node* node = find(key);
-  if (!node && fallback)
-    return *fallback;
-  if (!node)
-    fail(key, "is missing; expected two numbers, [x, z]");
-  const toml::array* array = node->as_array();
-  if (!array || array->size() != 2 || !(*array)[0].is_number() || !(*array)[1].is_number())
-    wrong_type(key, *node, "two numbers, [x, z]");
-  const Eigen::Vector2d value(*(*array)[0].value<double>(), *(*array)[1].value<double>());
-  if (!value.allFinite())
-    wrong_type(key, *node, "two finite numbers, [x, z]");
-  return value;
+  const auto convert = [](const toml::node& node) -> std::optional<Eigen::Vector2d>
+  {
+    const toml::array* array = node.as_array();
+    if (!array || array->size() != 2)
+      return {};
+    const std::optional<double> x = finite_number((*array)[0]), z = finite_number((*array)[1]);
+    return x && z ? std::optional(Eigen::Vector2d(*x, *z)) : std::nullopt;
+  };
+  return read(key, fallback, "two finite numbers, [x, z]", convert);
 }
 
-Eigen::MatrixXd StrictTable::matrix(std::string_view key, Eigen::Index most)
+Eigen::MatrixXd StrictTable::matrix(std::string_view key, std::size_t most)
 {
-  const toml::node* node = find(key);
-  if (!node)
-    return {};
-  const std::string expected = fmt::format("up to {} finite numbers, or as many rows of as many numbers", most);
-  const toml::array* array = node->as_array();
-  if (!array || static_cast<Eigen::Index>(array->size()) > most)
-    wrong_type(key, *node, expected);
-  const auto size = static_cast<Eigen::Index>(array->size());
-  Eigen::MatrixXd value = Eigen::MatrixXd::Zero(size, size);
-  const bool diagonal = size > 0 && (*array)[0].is_number();
-  const auto read = [&](const toml::node& entry)
-  {
-    const double number = entry.is_number() ? *entry.value<double>() : std::numeric_limits<double>::quiet_NaN();
-    if (!std::isfinite(number))
-      wrong_type(key, *node, expected);
-    return number;
-  };
-  for (Eigen::Index i = 0; i < size; ++i)
-  {
-    const toml::node& entry = (*array)[static_cast<std::size_t>(i)];
-    if (diagonal)
-    {
-      value(i, i) = read(entry);
-      continue;
-    }
-    const toml::array* row = entry.as_array();
-    if (!row || static_cast<Eigen::Index>(row->size()) != size)
-      wrong_type(key, *node, expected);
-    for (Eigen::Index k = 0; k < size; ++k)
-      value(i, k) = read((*row)[static_cast<std::size_t>(k)]);
-  }
-  return value;
+  return read(key, std::optional(Eigen::MatrixXd()),
+              fmt::format("up to {} finite numbers, or as many rows of as many numbers", most),
+              [most](const toml::node& node) { return square_matrix(node, most); });
 }
 
 std::array<std::string, 2> StrictTable::two_texts(std::string_view key, std::array<std::string, 2> fallback)
 {
-  const toml::node* node = find(key);
-  if (!node)
-    return fallback;
-  const toml::array* array = node->as_array();
-  if (!array || array->size() != 2 || !(*array)[0].is_string() || !(*array)[1].is_string())
-    wrong_type(key, *node, "two texts in quotes");
-  return {*(*array)[0].value<std::string>(), *(*array)[1].value<std::string>()};
+  using Texts = std::array<std::string, 2>;
+  const auto convert = [](const toml::node& node) -> std::optional<Texts>
+  {
+    const toml::array* array = node.as_array();
+    if (!array || array->size() != 2 || !(*array)[0].is_string() || !(*array)[1].is_string())
+      return {};
+    return Texts{*(*array)[0].value<std::string>(), *(*array)[1].value<std::string>()};
+  };
+  return read(key, std::optional(std::move(fallback)), "two texts in quotes", convert);
 }
 
 int StrictTable::choice(std::string_view key, const std::vector<std::string_view>& words, std::optional<int> fallback)
@@ -202,7 +199,7 @@ int StrictTable::choice(std::string_view key, const std::vector<std::string_view
   if (fallback && !has(key))
     return asked_.emplace_back(key), *fallback;
   const std::string word = text(key);
-  const auto found = std::find(words.begin(), words.end(), word);
+  const auto found = std::ranges::find(words, word);
   if (found == words.end())
     fail(key, fmt::format("found \"{}\"; expected one of: {}", printable(word, kLongestShown), fmt::join(words, ", ")));
   return static_cast<int>(found - words.begin());
@@ -225,7 +222,7 @@ std::vector<StrictTable> StrictTable::tables(std::string_view key, std::string_v
   if (!node)
     return tables;
   const toml::array* array = node->as_array();
-  if (!array || !std::all_of(array->begin(), array->end(), [](const toml::node& n) { return n.is_table(); }))
+  if (!array || !std::ranges::all_of(*array, [](const toml::node& n) { return n.is_table(); }))
     wrong_type(key, *node, fmt::format("tables, [[{}]]", key));
   for (const toml::node& member : *array)
     tables.emplace_back(*member.as_table(), *file_, fmt::format("{} {}", context, tables.size() + 1));
@@ -235,10 +232,10 @@ std::vector<StrictTable> StrictTable::tables(std::string_view key, std::string_v
 void StrictTable::finish() const
 {
   for (const auto& [key, node] : *table_)
-    if (const std::string_view name = key.str(); std::find(asked_.begin(), asked_.end(), name) == asked_.end())
+    if (const std::string_view name = key.str(); std::ranges::find(asked_, name) == asked_.end())
     {
       std::vector<std::string> known = asked_;
-      std::sort(known.begin(), known.end());
+      std::ranges::sort(known);
       known.erase(std::unique(known.begin(), known.end()), known.end());
       fail(name, fmt::format("is not known here; known are: {}", fmt::join(known, ", ")));
     }

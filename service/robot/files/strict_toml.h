@@ -35,7 +35,7 @@ public:
   /// [x, z]
   Eigen::Vector2d vector(std::string_view key, std::optional<Eigen::Vector2d> fallback = {});
   /// A square matrix with up to `most` rows: [[…], …] row by row, or [a, b, …] for its diagonal; [] has no rows.
-  Eigen::MatrixXd matrix(std::string_view key, Eigen::Index most);
+  Eigen::MatrixXd matrix(std::string_view key, std::size_t most);
   /// Exactly two words.
   std::array<std::string, 2> two_texts(std::string_view key, std::array<std::string, 2> fallback);
   /// One of the words given; returns its index.
@@ -56,6 +56,8 @@ public:
   void finish() const;
 
 private:
+  template <typename Value, typename Convert>
+  Value read(std::string_view key, std::optional<Value> fallback, std::string_view expected, const Convert& convert);
   const toml::node* find(std::string_view key);
   [[noreturn]] void wrong_type(std::string_view key, const toml::node& found, std::string_view expected) const;
 

@@ -1,24 +1,20 @@
 #include "robot/files/strict_xml.h"
 
 #include "robot/files/text_file.h"
+#include "text/number.h"
 #include "text/printable.h"
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
+#include <sstream>
 
 namespace torqued
 {
 
 namespace
 {
-
-bool is_space(char c)
-{
-  return c == ' ' || c == '\t' || c == '\n' || c == '\r';
-}
 
 // Walks over the tags as the parser will, and refuses what it must not see: it keeps every tag in memory, and compares
 // each attribute of a tag with all before it.
@@ -140,33 +136,26 @@ const tinyxml2::XMLAttribute* StrictElement::find(std::string_view key)
   return element_->FindAttribute(attributes_.back().c_str());
 }
 
-void StrictElement::numbers(std::string_view key, const tinyxml2::XMLAttribute& attribute, double* values,
-                            int count) const
+void StrictElement::read_numbers(std::string_view key, double* values, std::size_t count, bool optional)
 {
-  const std::string_view text = attribute.Value();
-  const char* at = text.data();
-  const char* const end = at + text.size();
-  const auto skip_space = [&]
-  {
-    const char* const begin = at;
-    while (at != end && is_space(*at))
-      ++at;
-    return at != begin;
-  };
+  const tinyxml2::XMLAttribute* attribute = find(key);
+  if (!attribute && optional)
+    return;
+  const std::string expected = count == 1 ? "a number" : fmt::format("{} numbers, separated by spaces", count);
+  if (!attribute)
+    fail(key, "is missing; expected " + expected);
+  std::istringstream words(attribute->Value());
+  std::size_t read = 0;
   bool good = true;
-  for (int i = 0; i < count && good; ++i)
+  for (std::string word; good && words >> word; ++read)
   {
-    const bool separated = skip_space() || i == 0;
-    if (end - at >= 2 && at[0] == '+' && at[1] != '-') // from_chars() takes no plus
-      ++at;
-    const auto [next, error] = std::from_chars(at, end, values[i]);
-    good = separated && error == std::errc() && std::isfinite(values[i]);
-    at = next;
+    const double number = number_in<double>(word).value_or(NAN);
+    good = read < count && std::isfinite(number);
+    if (good)
+      values[read] = number;
   }
-  skip_space();
-  if (!good || at != end)
-    fail(key, fmt::format("found \"{}\"; expected {}", printable(std::string(text), kLongestShown),
-                          count == 1 ? "a number" : fmt::format("{} numbers, separated by spaces", count)));
+  if (!good || read < count)
+    fail(key, fmt::format("found \"{}\"; expected {}", printable(attribute->Value(), kLongestShown), expected));
 }
 
 std::string StrictElement::text(std::string_view key, std::optional<std::string> fallback)
@@ -179,13 +168,8 @@ std::string StrictElement::text(std::string_view key, std::optional<std::string>
 
 double StrictElement::number(std::string_view key, std::optional<double> fallback)
 {
-  const tinyxml2::XMLAttribute* attribute = find(key);
-  if (!attribute && fallback)
-    return *fallback;
-  if (!attribute)
-    fail(key, "is missing; expected a number");
-  double value = 0.0;
-  numbers(key, *attribute, &value, 1);
+  double value = fallback.value_or(0.0);
+  read_numbers(key, &value, 1, fallback.has_value());
   return value;
 }
 
@@ -199,13 +183,8 @@ double StrictElement::magnitude(std::string_view key)
 
 Eigen::Vector3d StrictElement::vector(std::string_view key, std::optional<Eigen::Vector3d> fallback)
 {
-  const tinyxml2::XMLAttribute* attribute = find(key);
-  if (!attribute && fallback)
-    return *fallback;
-  if (!attribute)
-    fail(key, "is missing; expected 3 numbers");
-  Eigen::Vector3d value = Eigen::Vector3d::Zero();
-  numbers(key, *attribute, value.data(), 3);
+  Eigen::Vector3d value = fallback.value_or(Eigen::Vector3d::Zero());
+  read_numbers(key, value.data(), 3, fallback.has_value());
   return value;
 }
 
@@ -237,21 +216,16 @@ void StrictElement::skip(const std::vector<std::string_view>& names)
   skipped_.insert(skipped_.end(), names.begin(), names.end());
 }
 
-void StrictElement::finish() const
-{
-  finish([](const tinyxml2::XMLAttribute&) { return false; }, [](const tinyxml2::XMLElement&) { return false; });
-}
-
 void StrictElement::finish(const std::function<bool(const tinyxml2::XMLAttribute&)>& harmless_attribute,
                            const std::function<bool(const tinyxml2::XMLElement&)>& harmless_element) const
 {
   const auto holds = [](const std::vector<std::string>& names, std::string_view name)
   {
-    return std::find(names.begin(), names.end(), name) != names.end();
+    return std::ranges::find(names, name) != names.end();
   };
   for (const auto* attribute = element_->FirstAttribute(); attribute; attribute = attribute->Next())
     if (!holds(attributes_, attribute->Name()) && !holds(skipped_, attribute->Name()) &&
-        !harmless_attribute(*attribute))
+        !(harmless_attribute && harmless_attribute(*attribute)))
       fail(attribute->Name(), attributes_.empty()
                                   ? std::string("is not known here; no attribute is")
                                   : fmt::format("is not known here; known are: {}", fmt::join(attributes_, ", ")));
@@ -267,7 +241,7 @@ void StrictElement::finish(const std::function<bool(const tinyxml2::XMLAttribute
     if (shown.starts_with("xacro:"))
       fail_at(node->GetLineNum(), {},
               fmt::format("found <{}>; expected a URDF: run the file through xacro first", shown));
-    if (harmless_element(*node->ToElement()))
+    if (harmless_element && harmless_element(*node->ToElement()))
       continue;
     fail_at(node->GetLineNum(), {},
             elements_.empty()

@@ -51,18 +51,17 @@ public:
   int line() const { return element_->GetLineNum(); }
   /// Complains about an attribute of this element, or with an empty key about the element.
   [[noreturn]] void fail(std::string_view key, const std::string& message) const;
-  /// Refuses an element that holds text, or an attribute or element that nobody asked for.
-  void finish() const;
-  /// The same, but for attributes and elements of which `harmless` says that they may be there.
-  void finish(const std::function<bool(const tinyxml2::XMLAttribute&)>& harmless_attribute,
-              const std::function<bool(const tinyxml2::XMLElement&)>& harmless_element) const;
+  /// Refuses an element that holds text, or an attribute or element that nobody asked for and of which `harmless` does
+  /// not say that it may be there.
+  void finish(const std::function<bool(const tinyxml2::XMLAttribute&)>& harmless_attribute = {},
+              const std::function<bool(const tinyxml2::XMLElement&)>& harmless_element = {}) const;
   /// The element itself, for what is looked at and not checked.
   const tinyxml2::XMLElement& xml() const { return *element_; }
 
 private:
   const tinyxml2::XMLAttribute* find(std::string_view key);
   [[noreturn]] void fail_at(int line, std::string_view key, const std::string& message) const;
-  void numbers(std::string_view key, const tinyxml2::XMLAttribute& attribute, double* values, int count) const;
+  void read_numbers(std::string_view key, double* values, std::size_t count, bool optional);
 
   const tinyxml2::XMLElement* element_;
   const std::string* file_;

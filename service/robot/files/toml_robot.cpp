@@ -3,7 +3,6 @@
 #include "robot/assembly.h"
 #include "robot/files/strict_toml.h"
 #include "robot/files/urdf_robot.h"
-#include "robot/files/urdf_unread.h"
 #include "text/printable.h"
 
 #include <algorithm>
@@ -125,8 +124,7 @@ std::string complete_link(StrictTable& table, RobotDescription& description)
 {
   const std::string link = name(table, "name");
   table.set_context(fmt::format("link '{}'", link));
-  const auto entry = std::find_if(description.links.begin(), description.links.end(),
-                                  [&](const RobotDescription::LinkEntry& e) { return e.link.name == link; });
+  const auto entry = std::ranges::find(description.links, link, [](const auto& one) { return one.link.name; });
   if (entry == description.links.end())
     table.fail("name", fmt::format("found \"{}\"; the URDF has no link of that name", link));
   for (const std::string_view key :
@@ -174,6 +172,17 @@ RobotDescription::ActuatorEntry read_actuator(StrictTable& table)
   }
   table.finish();
   return entry;
+}
+
+// Takes from what the URDF says of the joint between the same links what the actuator's table says by itself.
+void forget_unread(RobotDescription& description, const RobotDescription::ActuatorEntry& actuator,
+                   const StrictTable& table)
+{
+  for (RobotDescription::UnreadEntry& entry : description.unread)
+    if ((entry.on == actuator.on && entry.against == actuator.against) ||
+        (entry.on == actuator.against && entry.against == actuator.on))
+      std::erase_if(entry.values, [&](const UnreadValue& value) { return !value.key.empty() && table.has(value.key); });
+  std::erase_if(description.unread, [](const auto& entry) { return entry.values.empty(); });
 }
 
 RobotDescription::FootEntry read_foot(StrictTable& table)
@@ -225,8 +234,7 @@ Robot read_toml_robot(std::string_view text, const std::string& file)
   for (StrictTable& actuator : actuators)
   {
     description.actuators.push_back(read_actuator(actuator));
-    forget_unread(description, description.actuators.back(),
-                  [&actuator](std::string_view key) { return actuator.has(key); });
+    forget_unread(description, description.actuators.back(), actuator);
   }
   for (StrictTable& foot : table.tables("foot", "foot"))
     description.feet.push_back(read_foot(foot));

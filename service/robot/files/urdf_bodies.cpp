@@ -1,11 +1,8 @@
 #include "robot/files/urdf_model.h"
 
-#include <Eigen/Geometry>
-#include <algorithm>
-#include <array>
+#include <Eigen/Eigenvalues>
 #include <cmath>
 #include <fmt/format.h>
-#include <numbers>
 
 namespace torqued::urdf
 {
@@ -13,48 +10,24 @@ namespace torqued::urdf
 namespace
 {
 
-// principal moments, the least first; in closed form, which is good to seven digits
-std::array<double, 3> principal_moments(const Eigen::Matrix3d& inertia)
-{
-  const double scale = inertia.cwiseAbs().maxCoeff();
-  if (scale == 0.0)
-    return {};
-  std::array<double, 3> moments{inertia(0, 0), inertia(1, 1), inertia(2, 2)};
-  if (inertia(0, 1) != 0.0 || inertia(0, 2) != 0.0 || inertia(1, 2) != 0.0)
-  {
-    const Eigen::Matrix3d unit = inertia / scale;
-    const double mean = unit.trace() / 3.0;
-    const Eigen::Matrix3d rest = unit - mean * Eigen::Matrix3d::Identity();
-    const double radius = std::sqrt(rest.squaredNorm() / 6.0);
-    const Eigen::Matrix3d M = rest / radius;
-    const double determinant = M.col(0).dot(M.col(1).cross(M.col(2)));
-    const double angle = std::acos(std::clamp(determinant / 2.0, -1.0, 1.0)) / 3.0;
-    const double third = 2.0 * std::numbers::pi / 3.0;
-    for (int i = 0; i < 3; ++i)
-    {
-      const double moment = mean + 2.0 * radius * std::cos(angle + third * i);
-      moments[static_cast<std::size_t>(i)] = std::abs(moment) < 1e-7 ? 0.0 : scale * moment;
-    }
-  }
-  std::sort(moments.begin(), moments.end());
-  return moments;
-}
-
 // a body's moments fulfil the triangle's inequality; thin plates and rods reach it
 void look_at_tensor(Model& model, const Link& link)
 {
   constexpr double rounding = 1e-3;
-  const auto [least, middle, largest] = principal_moments(link.inertia);
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(link.inertia, Eigen::EigenvaluesOnly);
+  const Eigen::Vector3d moments = solver.eigenvalues().unaryExpr(
+      [&link](double moment) { return std::abs(moment) < 1e-12 * link.inertia.cwiseAbs().maxCoeff() ? 0.0 : moment; });
+  const double least = moments(0), middle = moments(1), largest = moments(2);
   // a negative one breaks it, too: the largest is then more than the middle and it
   if (largest - middle - least <= rounding * largest)
     return;
-  model.notes.push_back(
-      fmt::format("{}:{}: link '{}': inertia: no body has the principal moments {:.6g}, {:.6g} and {:.6g} kg m^2, {}; "
-                  "only that about y is read, {:.6g}",
-                  model.file, link.inertia_line, link.name, least, middle, largest,
-                  least < -rounding * largest ? "of which one is negative"
-                                              : "of which the largest is more than the sum of the others",
-                  moment_about_y(link)));
+  model.notes.push_back(fmt::format("{}:{}: link '{}': inertia: no body has the principal moments {:.6g}, {:.6g} and "
+                                    "{:.6g} kg m^2, {}; only that about y is read, {:.6g}",
+                                    model.file, link.inertia_line, link.name, least, middle, largest,
+                                    least < -rounding * largest
+                                        ? "of which one is negative"
+                                        : "of which the largest is more than the sum of the others",
+                                    moment_about_y(link)));
 }
 
 // the mass of a link and of all that is fixed to it
@@ -90,9 +63,9 @@ void look_at_bodies(Model& model)
       continue;
     const Joint& joint = model.joint(link.joint);
     if (joint.type != Joint::Type::fixed && mass_of_body(model, i) == 0.0)
-      model.notes.push_back(fmt::format("{}:{}: link '{}' is massless as read, and {} moves it: neither it nor what is "
-                                        "fixed to it has a mass",
-                                        model.file, link.line, link.name, name_of(joint)));
+      model.notes.push_back(fmt::format(
+          "{}:{}: link '{}' is massless as read, and {} moves it: neither it nor what is fixed to it has a mass",
+          model.file, link.line, link.name, name_of(joint)));
   }
 }
 

@@ -60,16 +60,16 @@ std::string last_rpy(const Model& model, const Joint& joint)
 
 [[noreturn]] void refuse_axis(const Model& model, const Joint& joint, const Eigen::Vector3d& axis)
 {
-  model.fail(joint, fmt::format(
-                        "axis: found {}, which is {} in the root's frame, {:.3g} rad from {}y{}; expected one parallel "
-                        "to y within {:g} rad, as angles of five digits are: {}",
-                        shown(*joint.axis), shown(axis), from_y(axis), axis.y() < 0.0 ? "-" : "+",
-                        last_rpy(model, joint), kRoundedAngle,
-                        joint.type == Joint::Type::revolute
-                            ? "the robot moves in the x-z plane"
-                            : "what slides in the x-z plane is not a sum of constant rotated vectors, unless it "
-                              "carries the root: two such joints and one about y, from the world on, with no mass "
-                              "between them"));
+  model.fail(
+      joint,
+      fmt::format("axis: found {}, which is {} in the root's frame, {:.3g} rad from {}y{}; expected one parallel to y "
+                  "within {:g} rad, as angles of five digits are: {}",
+                  shown(*joint.axis), shown(axis), from_y(axis), axis.y() < 0.0 ? "-" : "+", last_rpy(model, joint),
+                  kRoundedAngle,
+                  joint.type == Joint::Type::revolute
+                      ? "the robot moves in the x-z plane"
+                      : "what slides in the x-z plane is not a sum of constant rotated vectors, unless it carries the "
+                        "root: two such joints and one about y, from the world on, with no mass between them"));
 }
 
 void remember(Model& model, const std::string& name, double angle)

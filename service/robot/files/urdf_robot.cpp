@@ -31,10 +31,10 @@ double pitch_inertia(const Model& model, const urdf::Link& from)
   // what turning leaves of a zero
   const double rounding = 1e-14 * from.inertia.cwiseAbs().maxCoeff();
   if (inertia < -rounding)
-    model.fail(from.inertia_line,
-               fmt::format("link '{}': inertia: is {} about y of the root's frame; expected a number "
-                           "that is not negative",
-                           from.name, inertia));
+    model.fail(
+        from.inertia_line,
+        fmt::format("link '{}': inertia: is {} about y of the root's frame; expected a number that is not negative",
+                    from.name, inertia));
   return std::max(0.0, inertia);
 }
 
@@ -154,10 +154,10 @@ Robot read_urdf_robot(std::string_view text, const std::string& file)
   const RobotDescription description = read_urdf(text, file);
   for (const auto& entry : description.links)
     if (entry.parent == kWorld)
-      throw FileError(
-          fmt::format("{}:{}: link '{}' is fixed to the world and stands for a foot; a TOML file with urdf = "
-                      "\"{}\" must say which, in a [[foot]]",
-                      file, entry.line, entry.link.name, printable(std::filesystem::path(file).filename().string())));
+      throw FileError(fmt::format("{}:{}: link '{}' is fixed to the world and stands for a foot; a TOML file with urdf "
+                                  "= \"{}\" must say which, in a [[foot]]",
+                                  file, entry.line, entry.link.name,
+                                  printable(std::filesystem::path(file).filename().string())));
   return assemble(description);
 }
 

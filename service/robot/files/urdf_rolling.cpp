@@ -22,9 +22,9 @@ Joint& mimicked_by(Model& model, const Joint& mimicking)
     refuse(fmt::format("found \"{}\"; there is no joint of that name", printable(mimic.joint)));
   Joint& mimicked = model.joint(found->second);
   if (mimicked.child != mimicking.parent && mimicking.child != mimicked.parent)
-    refuse(fmt::format("does not follow joint '{}', nor the other way round; only two joints with a link between them "
-                       "can roll",
-                       mimicked.name));
+    refuse(fmt::format(
+        "does not follow joint '{}', nor the other way round; only two joints with a link between them can roll",
+        mimicked.name));
   if (mimicking.type != Joint::Type::revolute || mimicked.type != Joint::Type::revolute)
     refuse("only two revolute joints can roll");
   if (mimicking.carries_root || mimicked.carries_root)
@@ -35,10 +35,9 @@ Joint& mimicked_by(Model& model, const Joint& mimicking)
     refuse(fmt::format("offset: found {}; expected 0, circles that roll turn together", mimic.offset));
   const double sense = mimicking.sense * mimicked.sense;
   if (!(mimic.multiplier * sense > 0.0))
-    refuse(
-        fmt::format("multiplier: found {}{}; expected one by which both turn in the same sense, as circles that roll "
-                    "do",
-                    mimic.multiplier, sense < 0.0 ? " between opposite axes" : ""));
+    refuse(fmt::format(
+        "multiplier: found {}{}; expected one by which both turn in the same sense, as circles that roll do",
+        mimic.multiplier, sense < 0.0 ? " between opposite axes" : ""));
   if (mimicking.rolls || mimicked.rolls)
     refuse("one of the two joints rolls with another one, too");
   return mimicked;

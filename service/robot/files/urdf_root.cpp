@@ -49,8 +49,8 @@ int top_of(Model& model)
     top = i;
   }
   if (top < 0)
-    model.fail(model.links.front(), "there is no root: every link is the child of a joint, so their parents form a "
-                                    "circle");
+    model.fail(model.links.front(),
+               "there is no root: every link is the child of a joint, so their parents form a circle");
   return top;
 }
 
@@ -95,13 +95,12 @@ private:
     {
       const auto below = links_below(model_, model_.joint(i).child);
       const bool moves = model_.joint(i).type != Joint::Type::fixed ||
-                         std::any_of(below.begin(), below.end(),
-                                     [&](int link) {
-                                       return link != model_.joint(i).child &&
-                                              model_.joint(model_.link(link).joint).type != Joint::Type::fixed;
-                                     });
-      const bool weighs =
-          std::any_of(below.begin(), below.end(), [&](int link) { return model_.link(link).mass != 0.0; });
+                         std::ranges::any_of(below,
+                                             [&](int link) {
+                                               return link != model_.joint(i).child &&
+                                                      model_.joint(model_.link(link).joint).type != Joint::Type::fixed;
+                                             });
+      const bool weighs = std::ranges::any_of(below, [&](int link) { return model_.link(link).mass != 0.0; });
       if (moves || (weighs && !stands_still))
         joints.push_back(i);
     }
@@ -130,10 +129,12 @@ private:
       {
         if (slides.empty())
           return false;
-        model_.fail(link, fmt::format("moves with {} between the world and the root, and has {}; a root floats only on "
-                                      "links without mass",
-                                      name_of(model_.joint(link.joint)),
-                                      link.mass != 0.0 ? fmt::format("a mass of {} kg", link.mass) : "an inertia"));
+        model_.fail(
+            link,
+            fmt::format(
+                "moves with {} between the world and the root, and has {}; a root floats only on links without mass",
+                name_of(model_.joint(link.joint)),
+                link.mass != 0.0 ? fmt::format("a mass of {} kg", link.mass) : "an inertia"));
       }
       const Joint& joint = model_.joint(next.front());
       if (joint.mimic)
@@ -173,9 +174,9 @@ private:
   void check_plane(const Joint& joint, const Eigen::Matrix3d& R)
   {
     if (const Eigen::Vector3d axis = axis_of(model_, joint, R); !is_about_y(model_, joint, axis))
-      model_.fail(joint, fmt::format("axis: found {}, the normal of its plane; expected y: the robot moves in the x-z "
-                                     "plane",
-                                     shown(*joint.axis)));
+      model_.fail(joint,
+                  fmt::format("axis: found {}, the normal of its plane; expected y: the robot moves in the x-z plane",
+                              shown(*joint.axis)));
   }
 
   // the root is the top, or what is fixed to the world
@@ -224,11 +225,10 @@ private:
         if (joint.type != Joint::Type::fixed)
           names.push_back(fmt::format("'{}'", joint.name));
     if (!names.empty())
-      model_.notes.push_back(fmt::format("{}:{}: joint{} {} let{} the root, '{}', float; limits and dynamics there are "
-                                         "not read",
-                                         model_.file, model_.joint(used_.front()).line, names.size() == 1 ? "" : "s",
-                                         fmt::join(names, ", "), names.size() == 1 ? "s" : "",
-                                         model_.link(model_.root).name));
+      model_.notes.push_back(
+          fmt::format("{}:{}: joint{} {} let{} the root, '{}', float; limits and dynamics there are not read",
+                      model_.file, model_.joint(used_.front()).line, names.size() == 1 ? "" : "s",
+                      fmt::join(names, ", "), names.size() == 1 ? "s" : "", model_.link(model_.root).name));
   }
 
   Model& model_;

@@ -1,6 +1,7 @@
 #include "robot/files/urdf_unread.h"
 
 #include "text/number.h"
+#include "text/plain_text.h"
 #include "text/printable.h"
 
 #include <algorithm>
@@ -17,26 +18,18 @@ namespace
 
 constexpr std::size_t kLongestValue = 40;
 
-std::string lower(std::string_view text)
+constexpr std::string_view kBlanks = " \t\r\n";
+
+// an element's or attribute's text without blanks around it; null: there is none
+std::string trimmed_text(const char* text)
 {
-  std::string result(text);
-  std::transform(result.begin(), result.end(), result.begin(),
-                 [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; });
-  return result;
+  return std::string(trimmed(text ? text : "", kBlanks));
 }
 
 // a name without its namespace: "drake:rotor_inertia" is "rotor_inertia"
 std::string_view local(std::string_view name)
 {
   return name.substr(name.rfind(':') + 1); // 0 without one
-}
-
-std::string trimmed(const char* text)
-{
-  const std::string_view all = text ? text : "";
-  const std::size_t begin = all.find_first_not_of(" \t\r\n");
-  const std::size_t end = all.find_last_not_of(" \t\r\n");
-  return begin == std::string_view::npos ? std::string() : std::string(all.substr(begin, end - begin + 1));
 }
 
 // attributes about motors, and the key of an [[actuator]] that says the same
@@ -62,23 +55,22 @@ constexpr std::array<Meaning, 15> kMeanings{{{"damping", "viscous"},
 
 std::string_view key_of(std::string_view attribute)
 {
-  const std::string name = lower(local(attribute));
-  const auto found = std::find_if(kMeanings.begin(), kMeanings.end(),
-                                  [&](const Meaning& meaning) { return meaning.attribute == name; });
+  const std::string name = lower_case(local(attribute));
+  const auto found = std::ranges::find(kMeanings, std::string_view(name), &Meaning::attribute);
   return found == kMeanings.end() ? std::string_view() : found->key;
 }
 
 // of a gear: 1 is none
 bool is_ratio(std::string_view attribute)
 {
-  const std::string name = lower(local(attribute));
+  const std::string name = lower_case(local(attribute));
   return key_of(name) == "rotor_inertia" && (name.ends_with("reduction") || name.ends_with("ratio"));
 }
 
 // of a motor, before its gear; what is called armature has passed it
 bool is_motors_inertia(std::string_view attribute)
 {
-  const std::string name = lower(local(attribute));
+  const std::string name = lower_case(local(attribute));
   return key_of(name) == "rotor_inertia" && name.ends_with("inertia");
 }
 
@@ -91,17 +83,17 @@ std::string_view meant(std::string_view element, std::string_view attribute)
 // what no torque depends on
 bool bounds_motion(std::string_view attribute)
 {
-  const std::string name = lower(local(attribute));
+  const std::string name = lower_case(local(attribute));
   constexpr std::array<std::string_view, 10> bounds{
       "lower",        "upper", "velocity",         "acceleration",     "jerk",
       "deceleration", "name",  "soft_lower_limit", "soft_upper_limit", "coulomb_window"};
-  return std::find(bounds.begin(), bounds.end(), name) != bounds.end();
+  return std::ranges::find(bounds, name) != bounds.end();
 }
 
 bool says_none(std::string_view attribute, const std::string& text)
 {
   const std::optional<double> value = number_in<double>(text);
-  if (lower(local(attribute)) != "effort")
+  if (lower_case(local(attribute)) != "effort")
     return value == (is_ratio(attribute) ? 1.0 : 0.0);
   constexpr double most = 1e9; // N m; more is an exporter's word for "none"
   return value && (!(*value > 0.0) || *value >= most);
@@ -113,7 +105,7 @@ void add_transmission(const tinyxml2::XMLElement& element, Transmission& transmi
   {
     const std::string_view name = local(child->Name());
     const char* const attribute = child->Attribute("value");
-    const std::string value = trimmed(attribute ? attribute : child->GetText());
+    const std::string value = trimmed_text(attribute ? attribute : child->GetText());
     const std::string_view key = key_of(name);
     if (key == "rotor_inertia" && !says_none(name, value))
       transmission.values.push_back({"transmission", std::string(name), printable(value, kLongestValue), key});
@@ -151,7 +143,7 @@ std::optional<std::string_view> misspelt(std::string_view name)
                                                    "axis",     "mimic",   "joint", "link",   "dynamics", "limit"};
   for (const std::string_view word : known)
     if (const std::size_t most = word.size() >= 6 ? 2 : 1;
-        name.size() <= word.size() + most && slips(lower(name), word) <= most)
+        name.size() <= word.size() + most && slips(lower_case(name), word) <= most)
       return word;
   return {};
 }
@@ -196,18 +188,18 @@ bool is_harmless_to(const std::string& name)
 // a child of <gazebo> or <mujoco> as a note names it; nothing if it has no mechanics
 std::optional<std::string> part_of_simulator(const tinyxml2::XMLElement& child)
 {
-  const std::string name = lower(child.Name());
-  const std::string text = trimmed(child.GetText());
+  const std::string name = lower_case(child.Name());
+  const std::string text = trimmed_text(child.GetText());
   if (is_harmless_to(name) || name == "turngravityoff" || (name == "gravity" && !child.FirstAttribute()))
     return {};
   std::string part = "<" + printable(child.Name(), kLongestValue);
   bool says = child.FirstChildElement() != nullptr;
   for (const auto* attribute = child.FirstAttribute(); attribute; attribute = attribute->Next())
-    if (!is_harmless_to(lower(attribute->Name())))
+    if (!is_harmless_to(lower_case(attribute->Name())))
     {
       says = true;
       part += fmt::format(" {}={}", printable(attribute->Name(), kLongestValue),
-                          printable(trimmed(attribute->Value()), kLongestValue));
+                          printable(trimmed_text(attribute->Value()), kLongestValue));
     }
   const bool is_none = text.empty() || text == "false" || (number_in<double>(text) == 0.0 && !name.starts_with("mu"));
   if (!says && is_none)
@@ -222,7 +214,7 @@ void add_parts(const tinyxml2::XMLElement& element, std::vector<std::string>& pa
                                                    "density", "gravity", "gear", "rotor",    "armature", "torque"};
   for (const auto* child = element.FirstChildElement(); child; child = child->NextSiblingElement())
   {
-    const std::string name = lower(local(child->Name()));
+    const std::string name = lower_case(local(child->Name()));
     const auto is_part = [&name](std::string_view word)
     {
       return name.find(word) != std::string::npos;
@@ -230,7 +222,7 @@ void add_parts(const tinyxml2::XMLElement& element, std::vector<std::string>& pa
     if (is_harmless_to(name) || is_part("sensor"))
       continue;
     const std::string part = fmt::format("<{}>", printable(child->Name(), kLongestValue));
-    if (std::any_of(words.begin(), words.end(), is_part) && std::find(parts.begin(), parts.end(), part) == parts.end())
+    if (std::ranges::any_of(words, is_part) && std::ranges::find(parts, part) == parts.end())
       parts.push_back(part);
     else
       add_parts(*child, parts);
@@ -244,7 +236,7 @@ std::vector<UnreadValue> unread_values(const tinyxml2::XMLElement& element)
   std::vector<UnreadValue> values;
   for (const auto* attribute = element.FirstAttribute(); attribute; attribute = attribute->Next())
   {
-    const std::string text = trimmed(attribute->Value());
+    const std::string text = trimmed_text(attribute->Value());
     const std::string_view about = meant(element.Name(), attribute->Name());
     if (!bounds_motion(about) && !says_none(about, text))
       values.push_back({printable(element.Name(), kLongestValue), printable(attribute->Name(), kLongestValue),
@@ -253,7 +245,7 @@ std::vector<UnreadValue> unread_values(const tinyxml2::XMLElement& element)
   const std::string_view name = element.Name();
   if (!element.FirstAttribute() && name != "dynamics" && name != "limit" && name != "safety_controller")
     values.push_back({printable(element.Name(), kLongestValue), "",
-                      printable(trimmed(element.GetText()), kLongestValue), key_of(element.Name())});
+                      printable(trimmed_text(element.GetText()), kLongestValue), key_of(element.Name())});
   return values;
 }
 
@@ -291,10 +283,10 @@ std::string note_of(const RobotDescription::UnreadEntry& entry)
       elements.back() += fmt::format(" {}={}", value.attribute, value.value);
     if (value.key.empty())
       all_have_keys = false;
-    else if (std::find(keys.begin(), keys.end(), value.key) == keys.end())
+    else if (std::ranges::find(keys, value.key) == keys.end())
       keys.emplace_back(value.key);
   }
-  if (const auto key = std::find(keys.begin(), keys.end(), "rotor_inertia"); key != keys.end())
+  if (const auto key = std::ranges::find(keys, "rotor_inertia"); key != keys.end())
     *key += reflected(entry.values);
   const std::string advice = keys.empty() ? ", and no key in the TOML says it"
                                           : fmt::format(": set {} in the TOML{}", fmt::join(keys, ", "),
@@ -307,9 +299,8 @@ std::string note_of_signs(const RobotDescription& description)
 {
   std::vector<std::string> turning, sliding;
   for (const auto& entry : description.opposite)
-    if (std::any_of(description.actuators.begin(), description.actuators.end(),
-                    [&entry](const auto& actuator)
-                    { return actuator.on == entry.on && actuator.against == entry.against; }))
+    if (std::ranges::any_of(description.actuators, [&entry](const auto& actuator)
+                            { return actuator.on == entry.on && actuator.against == entry.against; }))
       (entry.slides ? sliding : turning).push_back(fmt::format("'{}'", entry.joint));
   const auto named = [&description](std::vector<std::string> names)
   {
@@ -322,10 +313,9 @@ std::string note_of_signs(const RobotDescription& description)
   };
   std::vector<std::string> parts;
   if (!turning.empty())
-    parts.push_back(
-        fmt::format("angle and torque of {} count against the URDF's: its axis is +y, ours counter-clockwise "
-                    "in the x-z plane",
-                    named(turning)));
+    parts.push_back(fmt::format(
+        "angle and torque of {} count against the URDF's: its axis is +y, ours counter-clockwise in the x-z plane",
+        named(turning)));
   if (!sliding.empty())
     parts.push_back(
         fmt::format("displacement and force of {} count against the URDF's: its axis is -y, ours +y", named(sliding)));
@@ -334,14 +324,14 @@ std::string note_of_signs(const RobotDescription& description)
 
 std::optional<std::string> mechanics_in(std::string_view full_name)
 {
-  const std::string name = lower(local(full_name));
+  const std::string name = lower_case(local(full_name));
   constexpr std::array<std::string_view, 9> harmless{"sensor",   "collision", "visual",  "plugin",   "controller",
                                                      "material", "geometry",  "contact", "proximity"};
   const auto is_part = [&name](std::string_view word)
   {
     return name.find(word) != std::string::npos;
   };
-  if (std::any_of(harmless.begin(), harmless.end(), is_part))
+  if (std::ranges::any_of(harmless, is_part))
     return {};
   if (const auto word = misspelt(full_name))
     return fmt::format("did you mean <{}>?", *word);
@@ -349,7 +339,7 @@ std::optional<std::string> mechanics_in(std::string_view full_name)
       "joint",  "loop",   "closure", "constraint", "equality", "weld",    "mimic",  "coupl",    "force",
       "torque", "thrust", "spring",  "stiff",      "damp",     "bushing", "tendon", "muscle",   "friction",
       "mass",   "inerti", "density", "gravity",    "gear",     "rotor",   "motor",  "armature", "scale"};
-  if (const auto word = std::find_if(words.begin(), words.end(), is_part); word != words.end())
+  if (const auto word = std::ranges::find_if(words, is_part); word != words.end())
     return fmt::format("its name speaks of mechanics, which are not read from it ({})", *word);
   return {};
 }
@@ -358,13 +348,13 @@ std::optional<std::string> mechanics_in(const tinyxml2::XMLElement& simulator)
 {
   for (const auto* child = simulator.FirstChildElement(); child; child = child->NextSiblingElement())
   {
-    const std::string name = lower(child->Name());
+    const std::string name = lower_case(child->Name());
     if (name == "equality" || name == "tendon" || name == "worldbody" || name == "model" ||
         (name == "joint" && child->FirstChildElement("child")) ||
         (name == "link" && child->FirstChildElement("inertial")))
-      return fmt::format("holds <{}>, which changes how the robot moves; only <link> and <joint> of the <robot> itself "
-                         "are read",
-                         name);
+      return fmt::format(
+          "holds <{}>, which changes how the robot moves; only <link> and <joint> of the <robot> itself are read",
+          name);
   }
   return {};
 }
@@ -376,13 +366,12 @@ std::vector<std::string> unread_parts(const tinyxml2::XMLElement& element)
   if (name != "gazebo" && name != "mujoco")
   {
     // the transmissions of a <ros2_control> are read by themselves
-    if (!is_harmless_to(lower(local(name))) && name != "sensor" && name != "ros2_control")
+    if (!is_harmless_to(lower_case(local(name))) && name != "sensor" && name != "ros2_control")
       add_parts(element, parts);
     return parts;
   }
   for (const auto* child = element.FirstChildElement(); child; child = child->NextSiblingElement())
-    if (const auto part = part_of_simulator(*child);
-        part && std::find(parts.begin(), parts.end(), *part) == parts.end())
+    if (const auto part = part_of_simulator(*child); part && std::ranges::find(parts, *part) == parts.end())
       parts.push_back(*part);
   return parts;
 }
@@ -390,7 +379,7 @@ std::vector<std::string> unread_parts(const tinyxml2::XMLElement& element)
 bool takes_gravity(const tinyxml2::XMLElement& child)
 {
   const std::string_view name = child.Name();
-  const std::string text = trimmed(child.GetText());
+  const std::string text = trimmed_text(child.GetText());
   return (name == "turnGravityOff" && (text == "true" || text == "1")) ||
          (name == "gravity" && (text == "false" || text == "0"));
 }

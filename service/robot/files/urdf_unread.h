@@ -36,18 +36,6 @@ std::string note_of(const RobotDescription::UnreadEntry& entry);
 /// actuator turns the same link against the same; empty if there is none.
 std::string note_of_signs(const RobotDescription& description);
 
-/// Takes from the unread entries what an actuator between the same links says by itself. has: whether its table holds
-/// a key.
-template <typename Has>
-void forget_unread(RobotDescription& description, const RobotDescription::ActuatorEntry& actuator, const Has& has)
-{
-  for (RobotDescription::UnreadEntry& entry : description.unread)
-    if ((entry.on == actuator.on && entry.against == actuator.against) ||
-        (entry.on == actuator.against && entry.against == actuator.on))
-      std::erase_if(entry.values, [&](const UnreadValue& value) { return !value.key.empty() && has(value.key); });
-  std::erase_if(description.unread, [](const auto& entry) { return entry.values.empty(); });
-}
-
 /// Why an element or attribute that URDF does not have may not be passed over: its name speaks of mechanics, or is that
 /// of an element of URDF with a slip of the pen. Nothing if it may.
 std::optional<std::string> mechanics_in(std::string_view name);
