@@ -1,4 +1,5 @@
 #include "catch.h"
+#include "decode_dynamics.h"
 #include "matchers.h"
 #include "states.h"
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "catch.h"
+#include "decode_dynamics.h"
 #include "process.h"
 #include "temporary_folder.h"
 

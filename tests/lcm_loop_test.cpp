@@ -1,4 +1,5 @@
 #include "catch.h"
+#include "decode_dynamics.h"
 
 #include "daemon/lcm_loop.h"
 #include "daemon/lcm_receiver.h"

@@ -33,17 +33,16 @@ std::optional<Refusal> check_consistency(const AnswerSettings& settings, const C
   if ((on_ground && at_rest && stays) || settings.consistency == OnExcess::flag)
     return {};
   if (!on_ground)
-    return Refusal(Reason::inconsistent,
-                   "the {} foot's {} carries, and is {:.3g} m {} the ground z = 0, more than contact_height_tolerance, "
-                   "{:.3g} m",
-                   name_of(errors.farthest), name_of(support.of(errors.farthest)), std::abs(errors.height),
-                   errors.height > 0.0 ? "above" : "below", settings.contact_height_tolerance);
-  return Refusal(
-      Reason::inconsistent,
-      "the motion gives its contacts a speed of {:.3g} (up to {:.3g} m/s, rad/s), an acceleration of {:.3g} (up to "
-      "{:.3g} m/s^2, rad/s^2) and tilts a sole by {:.3g} (up to {:.3g} rad)",
-      errors.speed, settings.contact_speed_tolerance, errors.acceleration, settings.contact_tolerance, errors.tilt,
-      settings.sole_tilt_tolerance);
+    return Refusal(
+        Reason::inconsistent,
+        "the {} foot's {} carries, and is {:.3g} m {} the ground z = 0, more than contact_height_tolerance, {:.3g} m",
+        name_of(errors.farthest), name_of(support.of(errors.farthest)), std::abs(errors.height),
+        errors.height > 0.0 ? "above" : "below", settings.contact_height_tolerance);
+  return Refusal(Reason::inconsistent,
+                 "the motion gives its contacts a speed of {:.3g} (up to {:.3g} m/s, rad/s), an acceleration of {:.3g} "
+                 "(up to {:.3g} m/s^2, rad/s^2) and tilts a sole by {:.3g} (up to {:.3g} rad)",
+                 errors.speed, settings.contact_speed_tolerance, errors.acceleration, settings.contact_tolerance,
+                 errors.tilt, settings.sole_tilt_tolerance);
 }
 
 // A sum of zeros that is not a number if one of the fields is not finite.

@@ -25,22 +25,6 @@ struct Answer
   VectorQ a;      ///< without the base point, in the coordinates that were sent, rad/s²
   VectorJ torque; ///< N m
 };
-inline auto& left_of(Answer& answer)
-{
-  return answer.ground[0];
-}
-inline auto& left_of(const Answer& answer)
-{
-  return answer.ground[0];
-}
-inline auto& right_of(Answer& answer)
-{
-  return answer.ground[1];
-}
-inline auto& right_of(const Answer& answer)
-{
-  return answer.ground[1];
-}
 
 /// The motion that answer() answers: the desired one, or, with settings.project, its projection. Refuses what project()
 /// refuses.

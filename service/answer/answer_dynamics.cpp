@@ -10,35 +10,22 @@ namespace torqued
 namespace
 {
 
-template <typename Matrix> void copy_matrix(const Matrix& from, std::vector<std::vector<double>>& to)
+// Both return whether all numbers are finite.
+template <typename Vector> bool copy_vector(const Vector& from, std::vector<double>& to)
+{
+  to.assign(from.begin(), from.end());
+  return std::ranges::all_of(to, is_finite);
+}
+
+template <typename Matrix> bool copy_matrix(const Matrix& from, std::vector<std::vector<double>>& to)
 {
   // rows beyond the matrix keep their memory, and are not sent
   if (to.size() < static_cast<std::size_t>(from.rows()))
     to.resize(static_cast<std::size_t>(from.rows()));
+  bool finite = true;
   for (Eigen::Index row = 0; row < from.rows(); ++row)
-    to[static_cast<std::size_t>(row)].assign(from.row(row).begin(), from.row(row).end());
-}
-
-template <typename Vector> void copy_vector(const Vector& from, std::vector<double>& to)
-{
-  to.assign(from.begin(), from.end());
-}
-
-template <typename Matrix> bool all(const Matrix& matrix)
-{
-  return std::all_of(matrix.data(), matrix.data() + matrix.size(), is_finite);
-}
-
-bool finite(const EquationOfMotion& equation)
-{
-  return all(equation.M) && all(equation.C) && all(equation.h) && all(equation.g) && all(equation.J) &&
-         all(equation.Jdot_v) && all(equation.generalized_force);
-}
-
-bool finite(const Elimination& elimination, const ReducedForm& reduced)
-{
-  return all(elimination.F) && all(elimination.Fdot) && all(elimination.F_bar) && all(reduced.mass) &&
-         all(reduced.coriolis) && all(reduced.gravity) && all(reduced.input);
+    finite &= copy_vector(from.row(row), to[static_cast<std::size_t>(row)]);
+  return finite;
 }
 
 constexpr std::string_view kNotFinite = "a result is not finite; the motion's numbers are too large";
@@ -60,7 +47,7 @@ bool describe_parameters(dynamics_t& reply, const Robot& robot, const std::vecto
     const VectorQ column = in_coordinates(robot, regressor_column(robot, parameters[i], motion), coordinates);
     for (std::size_t row = 0; row < rows; ++row)
       reply.Y[row][i] = column(static_cast<Eigen::Index>(row));
-    finite = finite && all(column);
+    finite = finite && std::ranges::all_of(column, is_finite);
   }
   return finite;
 }
@@ -117,23 +104,17 @@ void describe_motion(dynamics_t& reply, const Robot& robot, const std::vector<Ba
                      std::optional<EliminationMethod> elimination)
 {
   const EquationOfMotion equation = equation_of_motion(robot, motion, support, coordinates);
-  if (!finite(equation))
-    return refuse_request(reply, robot, reply.request_id, kNotFinite);
   reply.model_id = robot.model_id;
   reply.error.clear();
   reply.n = equation.n;
   reply.num_joints = robot.num_joints();
   reply.num_contact_rows = static_cast<std::int32_t>(equation.J.rows());
   reply.num_reduced = reply.num_multipliers = 0;
-  copy_matrix(equation.M, reply.M);
-  copy_matrix(equation.C, reply.C);
-  copy_vector(equation.h, reply.h);
-  copy_vector(equation.g, reply.g);
-  copy_matrix(equation.B, reply.B);
-  copy_matrix(equation.J, reply.J);
-  copy_vector(equation.Jdot_v, reply.Jdot_v);
-  copy_vector(equation.generalized_force, reply.generalized_force);
-  if (!describe_parameters(reply, robot, parameters, motion, coordinates))
+  bool finite =
+      copy_matrix(equation.M, reply.M) && copy_matrix(equation.C, reply.C) && copy_vector(equation.h, reply.h) &&
+      copy_vector(equation.g, reply.g) && copy_matrix(equation.B, reply.B) && copy_matrix(equation.J, reply.J) &&
+      copy_vector(equation.Jdot_v, reply.Jdot_v) && copy_vector(equation.generalized_force, reply.generalized_force);
+  if (!finite || !describe_parameters(reply, robot, parameters, motion, coordinates))
     return refuse_request(reply, robot, reply.request_id, kNotFinite);
   if (!elimination)
   {
@@ -148,17 +129,14 @@ void describe_motion(dynamics_t& reply, const Robot& robot, const std::vector<Ba
     return refuse_request(reply, robot, reply.request_id, refusal->detail());
   const Elimination& found = std::get<Elimination>(eliminated);
   const ReducedForm reduced = reduced_form(equation, found);
-  if (!finite(found, reduced))
-    return refuse_request(reply, robot, reply.request_id, kNotFinite);
   reply.num_reduced = static_cast<std::int32_t>(found.F.cols());
   reply.num_multipliers = static_cast<std::int32_t>(found.F_bar.cols());
-  copy_matrix(found.F, reply.F);
-  copy_matrix(found.Fdot, reply.Fdot);
-  copy_matrix(found.F_bar, reply.F_bar);
-  copy_matrix(reduced.mass, reply.reduced_mass);
-  copy_matrix(reduced.coriolis, reply.reduced_coriolis);
-  copy_vector(reduced.gravity, reply.reduced_gravity);
-  copy_matrix(reduced.input, reply.reduced_input);
+  finite = copy_matrix(found.F, reply.F) && copy_matrix(found.Fdot, reply.Fdot) &&
+           copy_matrix(found.F_bar, reply.F_bar) && copy_matrix(reduced.mass, reply.reduced_mass) &&
+           copy_matrix(reduced.coriolis, reply.reduced_coriolis) &&
+           copy_vector(reduced.gravity, reply.reduced_gravity) && copy_matrix(reduced.input, reply.reduced_input);
+  if (!finite)
+    refuse_request(reply, robot, reply.request_id, kNotFinite);
 }
 
 void answer_dynamics(const Robot& robot, const std::vector<BaseParameter>& parameters, Bytes request, dynamics_t& reply)

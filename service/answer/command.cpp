@@ -15,10 +15,7 @@ struct Copy
   void operator()(const char*, std::int32_t from, std::int32_t& to) const { to = from; }
   void operator()(const char*, Method from, std::int8_t& to) const { to = static_cast<std::int8_t>(from); }
   void operator()(const char*, std::int8_t from, Method& to) const { to = static_cast<Method>(from); }
-  void operator()(const char*, const Eigen::Vector2d& from, double (&to)[2]) const
-  {
-    std::copy(from.begin(), from.end(), to);
-  }
+  void operator()(const char*, const Eigen::Vector2d& from, double (&to)[2]) const { std::ranges::copy(from, to); }
   void operator()(const char*, const double (&from)[2], Eigen::Vector2d& to) const { to = {from[0], from[1]}; }
   template <int Most> void operator()(const char*, const BoundedVector<Most>& from, std::vector<double>& to) const
   {

@@ -23,7 +23,7 @@ constexpr std::array<std::string_view, 7> kLogLevels{"trace", "debug", "info", "
 
 void set_plain(std::string& text, const std::string& value)
 {
-  if (std::any_of(value.begin(), value.end(), [](char c) { return static_cast<unsigned char>(c) < 0x20 || c == 0x7f; }))
+  if (std::ranges::any_of(value, [](char c) { return static_cast<unsigned char>(c) < 0x20 || c == 0x7f; }))
     throw std::invalid_argument(
         fmt::format("found \"{}\"; expected a text without control characters", printable(value)));
   text = value;
@@ -75,83 +75,71 @@ void list(Config& config, ConfigList& with)
 class Reader : public ConfigList
 {
 public:
-  explicit Reader(StrictTable& file) : file_(file), in_(&file_) {}
+  explicit Reader(StrictTable& file) : file_(file) {}
 
-  void boolean(std::string_view key, bool& value, std::string_view) override
-  {
-    if (in_)
-      value = in_->boolean(key, value);
-  }
+  void boolean(std::string_view key, bool& value, std::string_view) override { value = in().boolean(key, value); }
   void number(std::string_view key, double& value, const Range& range, std::string_view) override
   {
-    if (!in_)
-      return;
-    value = in_->number(key, value);
+    value = in().number(key, value);
     if (!range.holds(value))
-      in_->fail(key, fmt::format("found {}; expected {}", value, range.expected));
+      in().fail(key, fmt::format("found {}; expected {}", value, range.expected));
   }
   void number_or(std::string_view key, std::optional<double>& value, std::string_view word, const Range& range,
                  std::string_view what) override
   {
-    if (!in_)
-      return;
-    if (in_->is_number(key))
+    if (in().is_number(key))
       number(key, value.emplace(), range, what);
-    else if (const std::string found = in_->text(key, std::string(word)); found != word)
-      in_->fail(key, fmt::format("found \"{}\"; expected {}", printable(found), range.expected));
-    else if (in_->has(key))
+    else if (const std::string found = in().text(key, std::string(word)); found != word)
+      in().fail(key, fmt::format("found \"{}\"; expected {}", printable(found), range.expected));
+    else if (in().has(key))
       value.reset();
   }
   void three(std::string_view key, Eigen::Vector3d& value, std::string_view expected, std::string_view) override
   {
-    if (!in_)
-      return;
-    const Eigen::MatrixXd found = in_->matrix(key, 3);
+    const Eigen::MatrixXd found = in().matrix(key, 3);
     if (found.size() == 0)
       return;
     if (found.rows() != 3 || !found.isDiagonal(0.0) || !(found.diagonal().minCoeff() > 0.0))
-      in_->fail(key, fmt::format("expected {}", expected));
+      in().fail(key, fmt::format("expected {}", expected));
     value = found.diagonal();
   }
   void weights(std::string_view key, JointWeights& value) override
   {
-    if (!in_)
-      return;
-    const Eigen::MatrixXd W = in_->matrix(key, kMaxJoints);
+    const Eigen::MatrixXd W = in().matrix(key, kMaxJoints);
     const double size = W.size() > 0 ? W.cwiseAbs().maxCoeff() : 0.0;
     for (Eigen::Index i = 0; i < W.rows(); ++i)
       for (Eigen::Index k = 0; k < i; ++k)
         if (std::abs(W(i, k) - W(k, i)) > 1e-12 * size)
-          in_->fail(key, fmt::format("found {} in row {}, column {} and {} in row {}, column {}; expected a "
-                                     "symmetric matrix",
-                                     W(i, k), i + 1, k + 1, W(k, i), k + 1, i + 1));
+          in().fail(
+              key, fmt::format("found {} in row {}, column {} and {} in row {}, column {}; expected a symmetric matrix",
+                               W(i, k), i + 1, k + 1, W(k, i), k + 1, i + 1));
     if (W.size() > 0 && W.llt().info() != Eigen::Success)
-      in_->fail(key, "found a matrix that is not positive definite; expected one that is, such as positive "
-                     "numbers for its diagonal");
+      in().fail(key, "found a matrix that is not positive definite; expected one that is, such as positive numbers for "
+                     "its diagonal");
     value = 0.5 * (W + W.transpose());
   }
   void word(std::string_view key, int& value, std::span<const std::string_view> words, std::string_view) override
   {
-    if (in_)
-      value = in_->choice(key, {words.begin(), words.end()}, value);
+    value = in().choice(key, {words.begin(), words.end()}, value);
   }
   void text(std::string_view key, const std::string& value, const std::function<void(const std::string&)>& set,
             std::string_view) override
   {
     try
     {
-      set(in_->text(key, value));
+      set(in().text(key, value));
     }
     catch (const std::invalid_argument& error)
     {
-      in_->fail(key, error.what());
+      in().fail(key, error.what());
     }
   }
   void table(std::string_view name) override
   {
     finish_table();
     table_ = file_.table(name);
-    in_ = table_ ? &*table_ : nullptr;
+    if (!table_)
+      table_.emplace(none_, nowhere_);
   }
 
   void finish()
@@ -167,9 +155,14 @@ private:
       table_->finish();
   }
 
+  // what is read: the file itself, or the last table
+  StrictTable& in() { return table_ ? *table_ : file_; }
+
   StrictTable& file_;
   std::optional<StrictTable> table_;
-  StrictTable* in_; // the table that is read; null if the file does not have it
+  // in place of a table that the file does not have: all settings stay as they are
+  const toml::table none_;
+  const std::string nowhere_;
 };
 
 // Writes each setting as a line of TOML, with what it means.
@@ -251,7 +244,7 @@ void set_prefix(Config& config, const std::string& prefix)
            c == '/';
   };
   constexpr std::size_t longest = 32;
-  if (prefix.size() > longest || !std::all_of(prefix.begin(), prefix.end(), plain))
+  if (prefix.size() > longest || !std::ranges::all_of(prefix, plain))
     throw std::invalid_argument(
         fmt::format("found \"{}\"; expected at most {} letters, digits, _, - or /", printable(prefix), longest));
   config.prefix = prefix;
@@ -259,7 +252,7 @@ void set_prefix(Config& config, const std::string& prefix)
 
 void set_log_level(Config& config, const std::string& level)
 {
-  if (std::find(kLogLevels.begin(), kLogLevels.end(), level) == kLogLevels.end())
+  if (std::ranges::find(kLogLevels, level) == kLogLevels.end())
     throw std::invalid_argument(
         fmt::format("found \"{}\"; expected one of: {}", printable(level), fmt::join(kLogLevels, ", ")));
   config.log_level = level;

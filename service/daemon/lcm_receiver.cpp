@@ -1,17 +1,11 @@
 #include "daemon/lcm_receiver.h"
 
+#include "wire/lcm_bus.h"
+
 #include <poll.h>
 
 namespace torqued
 {
-
-namespace
-{
-
-// Messages that LCM keeps for us, because a full queue would drop the newest.
-constexpr int kQueue = 10'000;
-
-} // namespace
 
 LcmReceiver::~LcmReceiver()
 {
@@ -30,7 +24,7 @@ bool LcmReceiver::subscribe(const std::string& channel, Handler handler)
     subscriptions_.pop_back();
     return false;
   }
-  lcm_subscription_set_queue_capacity(subscription.lcm, kQueue);
+  lcm_subscription_set_queue_capacity(subscription.lcm, LcmBus::kQueue);
   return true;
 }
 

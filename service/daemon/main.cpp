@@ -251,14 +251,13 @@ int serve(const Config& config)
             robot.mechanism.mass(), robot.num_joints(), name_of(config.answers.methods.method));
   for (const std::string& note : robot.notes)
     log->warn(note);
-  if (std::none_of(robot.feet.begin(), robot.feet.end(), [](const Foot& foot) { return foot.exists(); }))
+  if (std::ranges::none_of(robot.feet, [](const Foot& foot) { return foot.exists(); }))
     log->warn("{} has no feet: no contact with the ground is possible; a TOML file with [[foot]] tables gives it some",
               robot.name);
   if (const std::string unlimited = without_torque_limit(robot); !unlimited.empty())
-    log->warn(
-        "{} has no torque limit for {}: what is asked of these motors is bounded only by {} times weight times leg "
-        "length; torque_limit in the robot's file gives them one",
-        robot.name, unlimited, kMostTorque);
+    log->warn("{} has no torque limit for {}: what is asked of these motors is bounded only by {} times weight times "
+              "leg length; torque_limit in the robot's file gives them one",
+              robot.name, unlimited, kMostTorque);
   flush_denormals();
   sd_notify(0, "READY=1");
   loop.run(stop_fd);

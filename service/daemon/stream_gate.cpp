@@ -94,10 +94,8 @@ void StreamGate::leave(Stream* taken_up)
     return;
   }
   if (taken_up == nullptr)
-    taken_up = num_left_ < left_.size() ? &left_[num_left_++]
-                                        : std::min_element(left_.begin(), left_.end(),
-                                                           [](const Stream& a, const Stream& b)
-                                                           { return a.last_accepted < b.last_accepted; });
+    taken_up =
+        num_left_ < left_.size() ? &left_[num_left_++] : std::ranges::min_element(left_, {}, &Stream::last_accepted);
   *taken_up = present_;
 }
 

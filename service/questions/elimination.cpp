@@ -21,7 +21,7 @@ Elimination by_partitioning(const MatrixXd& J)
   const Eigen::Index rows = J.rows(), n = J.cols();
   const PivotedQr qr = pivoted_qr(J);
   Elimination result{MatrixQ::Zero(n, n - rows), {}, MatrixXd::Zero(n, rows), qr.order.tail(n - rows)};
-  std::sort(result.independent.begin(), result.independent.end());
+  std::ranges::sort(result.independent);
 
   const MatrixXd dependent_bar = solve_upper(qr.R.leftCols(rows), qr.Q.transpose());
   const MatrixXd dependent = product(dependent_bar, J(Eigen::all, result.independent));
@@ -95,7 +95,7 @@ Elimination by_schur(const MatrixXd& J)
   const RealSchur schur = real_schur(product(J.transpose(), J));
   const VectorXd diagonal = schur.T.diagonal();
   Eigen::VectorXi order = Eigen::VectorXi::LinSpaced(J.cols(), 0, static_cast<int>(J.cols()) - 1);
-  std::sort(order.begin(), order.end(), [&](int i, int j) { return diagonal(i) < diagonal(j); });
+  std::ranges::sort(order, {}, [&](int i) { return diagonal(i); });
   return polished(J, schur.U(Eigen::all, order.head(J.cols() - J.rows())));
 }
 
@@ -136,11 +136,10 @@ Result<Elimination> eliminate(const Jacobian& J, const Jacobian& Jdot, Eliminati
     return Refusal(Reason::numerical,
                    "the contacts have {} rows in J, the robot has {} coordinates: they cannot all rest", rows, n);
   if (const double found = independence(J); !(found >= kIndependentContacts))
-    return Refusal(
-        Reason::numerical,
-        "the contacts are not independent: the smallest singular value of J is {:.3g} of the largest; it must "
-        "be at least {:.3g}",
-        found, kIndependentContacts);
+    return Refusal(Reason::numerical,
+                   "the contacts are not independent: the smallest singular value of J is {:.3g} of the largest; it "
+                   "must be at least {:.3g}",
+                   found, kIndependentContacts);
   Elimination result = with_F(J, method);
   result.Fdot = -product(result.F_bar, product(Jdot, result.F));
   return result;

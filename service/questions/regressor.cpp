@@ -29,8 +29,8 @@ std::vector<std::vector<int>> kinds_of_links(const Robot& robot)
   std::vector<std::vector<int>> kinds;
   for (int i = 0; i < static_cast<int>(robot.links.size()); ++i)
   {
-    const auto same = std::find_if(kinds.begin(), kinds.end(),
-                                   [&](const std::vector<int>& kind) { return numbers(kind.front()) == numbers(i); });
+    const auto same =
+        std::ranges::find_if(kinds, [&](const std::vector<int>& kind) { return numbers(kind.front()) == numbers(i); });
     if (same == kinds.end())
       kinds.push_back({i});
     else

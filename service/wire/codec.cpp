@@ -161,11 +161,10 @@ model_info_t model_info(const Robot& robot, std::int64_t instance_id, std::int64
   info.relative_names = robot.relative_names;
   info.base_names[0] = robot.base_names[0];
   info.base_names[1] = robot.base_names[1];
-  for (int i = 0; i < robot.num_coordinates(); ++i)
+  for (int i = 0; i < info.num_coordinates; ++i)
   {
-    info.A.emplace_back();
-    for (int j = 0; j < robot.num_coordinates(); ++j)
-      info.A.back().push_back(robot.A(i, j));
+    const auto row = robot.A.row(i).head(info.num_coordinates);
+    info.A.emplace_back(row.begin(), row.end());
     info.b.push_back(robot.b(i));
   }
 

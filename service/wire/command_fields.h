@@ -6,22 +6,20 @@
 namespace torqued
 {
 
-/// The reaction under a foot.
-inline auto& left_of(torque_command_t& command)
+/// The reaction under a foot: of a message, or of an Answer.
+template <typename Command> auto& left_of(Command& command)
 {
-  return command.left;
+  if constexpr (requires { command.left; })
+    return command.left;
+  else
+    return command.ground[0];
 }
-inline auto& left_of(const torque_command_t& command)
+template <typename Command> auto& right_of(Command& command)
 {
-  return command.left;
-}
-inline auto& right_of(torque_command_t& command)
-{
-  return command.right;
-}
-inline auto& right_of(const torque_command_t& command)
-{
-  return command.right;
+  if constexpr (requires { command.right; })
+    return command.right;
+  else
+    return command.ground[1];
 }
 
 /// see(name, number) for each number of the reaction under a foot.

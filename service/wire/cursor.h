@@ -46,7 +46,7 @@ public:
     if (ok_)
     {
       const Bytes text = bytes_.subspan(at_, length);
-      ok_ = std::find(text.begin(), text.end(), std::byte{0}) == text.end() - 1;
+      ok_ = std::ranges::find(text, std::byte{0}) == text.end() - 1;
     }
     skip(ok_ ? length : bytes_.size() - start + 1);
   }

@@ -43,11 +43,8 @@ void LcmBus::subscribe(const std::string& channel, Handler handler)
 
 void LcmBus::subscribe_ending(const std::string& ending, std::function<void(const std::string&, Bytes)> handler)
 {
-  const auto ends_so = [ending](std::string_view heard)
-  {
-    return heard.ends_with(ending);
-  };
-  subscribe(".*" + ending, Subscription{*this, ends_so, std::move(handler)});
+  subscribe(".*" + ending, Subscription{*this, [ending](const std::string& heard) { return heard.ends_with(ending); },
+                                        std::move(handler)});
 }
 
 // LCM takes channel names for regular expressions, so what it hears may be of another one

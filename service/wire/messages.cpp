@@ -36,7 +36,7 @@ std::string flaw_of(const std::string& what, const std::vector<std::string>& nam
 template <typename Numbers, typename IsGood>
 std::string flaw_of(const std::string& what, const Numbers& numbers, const IsGood& is_good)
 {
-  const auto found = std::find_if_not(numbers.begin(), numbers.end(), is_good);
+  const auto found = std::ranges::find_if_not(numbers, is_good);
   return found == numbers.end() ? "" : what + " is " + std::to_string(*found);
 }
 
@@ -136,22 +136,6 @@ bool decode(Bytes bytes, model_info_t& message)
   cursor.skip((4 + 5 * 8) * cursor.count());
   cursor.skip((1 + 4 + 7 * 8) * cursor.count());
   cursor.skip_text();
-  return decode_checked(bytes, cursor, message);
-}
-
-bool decode(Bytes bytes, dynamics_t& message)
-{
-  Cursor cursor = after_fingerprint<dynamics_t>(bytes);
-  cursor.skip(2 * 8);
-  cursor.skip_text();
-  const std::size_t n = cursor.count();
-  const std::size_t joints = cursor.count();
-  const std::size_t rows = cursor.count();
-  const std::size_t parameters = cursor.count();
-  const std::size_t reduced = cursor.count();
-  const std::size_t multipliers = cursor.count();
-  cursor.skip(8 * (n * (2 * n + 3 + joints) + rows * (n + 1) + parameters * (n + 1)));
-  cursor.skip(8 * (reduced * (2 * n + 2 * reduced + 1 + joints) + n * multipliers));
   return decode_checked(bytes, cursor, message);
 }
 

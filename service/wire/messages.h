@@ -53,7 +53,6 @@ bool decode(Bytes bytes, torque_command_t& message);
 bool decode(Bytes bytes, rejection_t& message);
 bool decode(Bytes bytes, status_t& message);
 bool decode(Bytes bytes, model_info_t& message);
-bool decode(Bytes bytes, dynamics_t& message);
 
 /// Whether decode() makes a desired_state_t of these bytes. Does not allocate.
 bool is_desired_state(Bytes bytes);

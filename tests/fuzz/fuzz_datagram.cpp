@@ -1,6 +1,7 @@
 // What may come over the bus. The first four bytes choose robot, settings, kind of message, and whether fingerprint,
 // size and count are put right: without that, few inputs would get beyond these checks.
 
+#include "../decode_dynamics.h"
 #include "require.h"
 
 #include "answer/answer.h"
