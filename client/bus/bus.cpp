@@ -94,11 +94,10 @@ bool Bus::wait_for_model(const Channels& channels)
     note(fmt::format("waiting for torqued to say on {} which robot it computes", channels.model));
   wait_until(start + kModelPatience);
   if (!model_ && !stopped())
-    throw Failure(
-        ExitCode::no_bus,
-        fmt::format("no daemon has said on {} within {} s which robot it computes; is torqued running on this "
-                    "bus and network, with the same --prefix? Here {}",
-                    channels.model, kModelPatience.count(), lcm_.trouble()));
+    throw Failure(ExitCode::no_bus,
+                  "no daemon has said on {} within {} s which robot it computes; is torqued running on this bus and "
+                  "network, with the same --prefix? Here {}",
+                  channels.model, kModelPatience.count(), lcm_.trouble());
   return !stopped();
 }
 

@@ -58,7 +58,7 @@ void look_at_interfaces(const BusUrl& url, BusFacts& facts)
     const Json flags = link.value("flags", Json::array());
     const auto has = [&](const char* flag)
     {
-      return std::find(flags.begin(), flags.end(), flag) != flags.end();
+      return std::ranges::find(flags, flag) != flags.end();
     };
     facts.interfaces.push_back({link.value("ifname", ""), has("UP"), has("MULTICAST"), has("LOOPBACK")});
   }
@@ -69,8 +69,8 @@ void look_at_interfaces(const BusUrl& url, BusFacts& facts)
 
 bool drops(const Json& expressions)
 {
-  return std::any_of(expressions.begin(), expressions.end(),
-                     [](const Json& one) { return one.contains("drop") || one.contains("reject"); });
+  return std::ranges::any_of(expressions,
+                             [](const Json& one) { return one.contains("drop") || one.contains("reject"); });
 }
 
 // Whether a rule drops what comes to a port over UDP, or all of it but for something: for what comes from this machine.
@@ -87,7 +87,7 @@ bool keeps_off(const Json& expressions, int port)
     const bool is_udp = right == "udp";
     return match.value("op", "") != "!=" && !is_port && !is_udp;
   };
-  return drops(expressions) && std::none_of(expressions.begin(), expressions.end(), lets_port_through);
+  return drops(expressions) && std::ranges::none_of(expressions, lets_port_through);
 }
 
 // Chains of nft's whose packets could be ours, and that drop or reject some, or call others that do; and whether one

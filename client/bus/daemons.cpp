@@ -136,17 +136,13 @@ std::string status_page(const std::vector<Daemon>& daemons)
     if (i > 0)
       page += '\n';
     page += daemon_page(daemons[i]);
-    const auto shares = [&](const Daemon& other)
-    {
-      return other.present() && other.prefix == daemons[i].prefix;
-    };
-    const auto same = std::count_if(daemons.begin(), daemons.end(), shares);
+    const auto same = std::ranges::count_if(daemons, [&](const Daemon& other)
+                                            { return other.present() && other.prefix == daemons[i].prefix; });
     const bool last_of_them = i + 1 == daemons.size() || daemons[i + 1].prefix != daemons[i].prefix;
     if (same > 1 && last_of_them)
-      page +=
-          fmt::format("\nWRONG: {} daemons share these channels: clients get {} answers to each sample. Stop all but "
-                      "one, or give them\nanother --prefix.\n",
-                      same, same);
+      page += fmt::format("\nWRONG: {} daemons share these channels: clients get {} answers to each sample. Stop all "
+                          "but one, or give them\nanother --prefix.\n",
+                          same, same);
   }
   return page;
 }
@@ -162,8 +158,7 @@ void DaemonsHeard::hear_status(const std::string& prefix, Bytes message, Clock::
   if (!decode(message, status) && !decode_old(message, status))
     return;
   if (heard_.size() == kMostDaemons && heard_.count(status.instance_id) == 0)
-    heard_.erase(std::min_element(heard_.begin(), heard_.end(),
-                                  [](const auto& a, const auto& b) { return a.second.last < b.second.last; }));
+    heard_.erase(std::ranges::min_element(heard_, {}, [](const auto& entry) { return entry.second.last; }));
   Heard& heard = heard_[status.instance_id];
   heard.prefix = prefix;
   heard.last = now;
@@ -190,13 +185,9 @@ std::vector<Daemon> DaemonsHeard::at(Clock::time_point now) const
     daemons.push_back({heard.prefix, heard.statuses.back(), std::chrono::duration<double>(now - heard.last).count(),
                        rates(heard.statuses.front(), heard.statuses.back()), heard.model});
   // of each prefix those that publish first, then those that ended, the last one first
-  std::stable_sort(daemons.begin(), daemons.end(),
-                   [](const Daemon& a, const Daemon& b)
-                   {
-                     const double a_ended = a.present() ? 0.0 : a.silent, b_ended = b.present() ? 0.0 : b.silent;
-                     return std::tuple(std::string_view(a.prefix), !a.present(), a_ended) <
-                            std::tuple(std::string_view(b.prefix), !b.present(), b_ended);
-                   });
+  std::ranges::stable_sort(daemons, {},
+                           [](const Daemon& one)
+                           { return std::tuple(std::string_view(one.prefix), one.present() ? -1.0 : one.silent); });
   const auto is_past = [](const Daemon& before, const Daemon& daemon)
   {
     return before.prefix == daemon.prefix && !daemon.present();

@@ -26,24 +26,18 @@ std::string set_url(const BusFacts& facts, const BusUrl& url)
 
 const Interface* find(const BusFacts& facts, const std::string& name)
 {
-  const auto found = std::find_if(facts.interfaces.begin(), facts.interfaces.end(),
-                                  [&](const Interface& one) { return one.name == name; });
+  const auto found = std::ranges::find(facts.interfaces, name, &Interface::name);
   return found == facts.interfaces.end() ? nullptr : &*found;
 }
 
 // An interface that leads to other machines; one that is up if there is any.
 const Interface* outward(const BusFacts& facts)
 {
-  const auto leads_out = [](const Interface& one)
-  {
-    return !one.loopback && one.multicast;
-  };
-  const auto best =
-      std::max_element(facts.interfaces.begin(), facts.interfaces.end(),
-                       [&](const Interface& a, const Interface& b) {
-                         return leads_out(a) + 2 * (leads_out(a) && a.up) < leads_out(b) + 2 * (leads_out(b) && b.up);
-                       });
-  return best != facts.interfaces.end() && leads_out(*best) ? &*best : nullptr;
+  const Interface* found = nullptr;
+  for (const Interface& one : facts.interfaces)
+    if (!one.loopback && one.multicast && (found == nullptr || (one.up && !found->up)))
+      found = &one;
+  return found;
 }
 
 // How the bus's address gets a route to other machines.
@@ -188,8 +182,8 @@ private:
   // LCM's sockets take what comes to their port from any interface, whatever group or ttl it was sent by.
   void judge_other_machines()
   {
-    const bool is_reached = !facts_.has_ip || std::any_of(facts_.interfaces.begin(), facts_.interfaces.end(),
-                                                          [](const Interface& one) { return one.up && !one.loopback; });
+    const bool is_reached = !facts_.has_ip || std::ranges::any_of(facts_.interfaces, [](const Interface& one)
+                                                                  { return one.up && !one.loopback; });
     if (url_.ttl > 0 || url_.provider != BusUrl::Provider::udpm || !is_reached || !facts_.came_back)
       return;
     const std::string what =
@@ -201,10 +195,10 @@ private:
       say(Grade::good, fmt::format("a firewall keeps what other machines send off port {}", url_.port));
     else
       say(Grade::remark, what + ", and no rule of nft's drops that",
-          fmt::format("sudo nft add table inet torqued; "
-                      "sudo nft add chain inet torqued input '{{ type filter hook input priority 0; }}'; "
-                      "sudo nft add rule inet torqued input udp dport {} fib saddr type != local drop",
-                      url_.port));
+          fmt::format(
+              "sudo nft add table inet torqued; sudo nft add chain inet torqued input '{{ type filter hook input "
+              "priority 0; }}'; sudo nft add rule inet torqued input udp dport {} fib saddr type != local drop",
+              url_.port));
   }
 
   void judge_buffer()
@@ -237,19 +231,17 @@ private:
     {
       if (!daemon.present() || !judged.insert(daemon.prefix).second)
         continue;
-      const auto count =
-          std::count_if(facts_.daemons.begin(), facts_.daemons.end(),
-                        [&](const Daemon& other) { return other.present() && other.prefix == daemon.prefix; });
+      const auto count = std::ranges::count_if(facts_.daemons, [&](const Daemon& other)
+                                               { return other.present() && other.prefix == daemon.prefix; });
       const std::string channel = printable(daemon.prefix) + "TORQUED_STATUS";
       if (count == 1)
         say(Grade::good, fmt::format("one daemon on {}: torqued {}, {}", channel, printable(daemon.status.version),
                                      state_name(daemon.status.state)));
       else
         say(Grade::bad,
-            fmt::format(
-                "{} daemons on {}: clients get {} answers to each sample; kill all but one, or give them another "
-                "--prefix",
-                count, channel, count),
+            fmt::format("{} daemons on {}: clients get {} answers to each sample; kill all but one, or give them "
+                        "another --prefix",
+                        count, channel, count),
             "pgrep --list-full --exact torqued");
     }
     if (!facts_.lcm_trouble.empty())

@@ -171,8 +171,8 @@ try
 }
 catch (const FileError& error)
 {
-  throw Failure(ExitCode::bad_data, fmt::format("{}: its model message (model_id {}) describes no robot: {}", where,
-                                                model.model_id, error.what()));
+  throw Failure(ExitCode::bad_data, "{}: its model message (model_id {}) describes no robot: {}", where, model.model_id,
+                error.what());
 }
 
 } // namespace torqued

@@ -64,7 +64,7 @@ std::string jump(double torque)
 std::size_t width(const std::string& text)
 {
   return static_cast<std::size_t>(
-      std::count_if(text.begin(), text.end(), [](char c) { return (static_cast<unsigned char>(c) & 0xc0) != 0x80; }));
+      std::ranges::count_if(text, [](char c) { return (static_cast<unsigned char>(c) & 0xc0) != 0x80; }));
 }
 
 // a table that is Markdown, too
@@ -164,8 +164,7 @@ void print_agreements(const std::vector<Channel>& channels, const std::vector<Me
   std::vector<Compared> plates_first = methods;
   const auto from_plates = [&channels](int joint)
   {
-    return std::find_if(channels.begin(), channels.end(),
-                        [joint](const Channel& c) { return !c.published && c.joint == joint; });
+    return std::ranges::find_if(channels, [joint](const Channel& c) { return !c.published && c.joint == joint; });
   };
   if (from_plates(0) != channels.end())
     plates_first.insert(plates_first.begin(), {"from the plates", [from_plates](const Channel& channel)
@@ -176,9 +175,8 @@ void print_agreements(const std::vector<Channel>& channels, const std::vector<Me
     for (const Part& part : parts)
       print_agreement(channels, published, published ? plates_first : methods, part);
   fmt::print(
-      "\nrms of the difference (N, N m), its share of the measured range in the whole file, correlation; mean of "
-      "both feet. Moments from the\nplates: inverse dynamics of this robot, bottom-up from the measured "
-      "wrenches.\n");
+      "\nrms of the difference (N, N m), its share of the measured range in the whole file, correlation; mean of both "
+      "feet. Moments from the\nplates: inverse dynamics of this robot, bottom-up from the measured wrenches.\n");
 }
 
 // NaN is null
@@ -246,23 +244,22 @@ void print_outcomes(const Changes& changes, const std::vector<MethodRun>& runs)
     row.push_back(share(outcome.relaxed, outcome.double_support));
   }
   print(rows);
-  fmt::print(
-      "\nlargest jump of a torque where contacts change, N m, 0 below 1e-6, between samples up to {} µs apart; "
-      "largest torque, N m;\nsum over the motors, N² m² s; share of double support in which no foot slips, lifts "
-      "or tips; in which conditions gave way\n",
-      changes.longest);
+  fmt::print("\nlargest jump of a torque where contacts change, N m, 0 below 1e-6, between samples up to {} µs apart; "
+             "largest torque, N m;\nsum over the motors, N² m² s; share of double support in which no foot slips, "
+             "lifts or tips; in which conditions gave way\n",
+             changes.longest);
 }
 
 void require_answers(const std::string& file, const std::vector<MethodRun>& runs)
 {
-  if (std::any_of(runs.begin(), runs.end(), [](const MethodRun& run) { return run.outcome.answered > 0; }))
+  if (std::ranges::any_of(runs, [](const MethodRun& run) { return run.outcome.answered > 0; }))
     return;
   std::string reasons;
   for (const auto& [reason, count] : runs.front().answered.refused)
     reasons += fmt::format(", {} {}", reason, count);
   throw Failure(ExitCode::bad_data,
-                fmt::format("{}: no sample was answered by any method: by {}{}; torquectl eval says what was refused",
-                            file, runs.front().method, reasons));
+                "{}: no sample was answered by any method: by {}{}; torquectl eval says what was refused", file,
+                runs.front().method, reasons);
 }
 
 ExitCode compare(const CompareOptions& options)
@@ -298,7 +295,7 @@ ExitCode compare(const CompareOptions& options)
 
   if (options.json != "-")
   {
-    const auto in_double_support = std::count(parts[0].chosen.begin(), parts[0].chosen.end(), true);
+    const auto in_double_support = std::ranges::count(parts[0].chosen, true);
     fmt::print("{}: {} samples, {} of them in double support\n\n", robot.name, states.size(), in_double_support);
     print_outcomes(changes, runs);
     print_agreements(channels, runs, parts);
@@ -333,10 +330,7 @@ Subcommand add_compare(CLI::App& torquectl)
       "segment. Nothing or nan where there is none. The exit code is 65 if no method answers any sample.\n\n"
       "Example, in the source directory:\n"
       "  torquectl compare client/trajectories/subject01-walk/walk.csv --robot human-subject01");
-  return {app, [options]
-          {
-            return compare(*options);
-          }};
+  return {app, options, compare};
 }
 
 } // namespace torqued

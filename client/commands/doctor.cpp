@@ -7,6 +7,7 @@
 #include <CLI/CLI.hpp>
 
 #include <algorithm>
+#include <array>
 #include <fmt/format.h>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -18,6 +19,12 @@ namespace
 {
 
 using Json = nlohmann::ordered_json;
+
+struct DoctorOptions
+{
+  std::string lcm_url;
+  bool json = false;
+};
 
 // Who publishes within a second, under any prefix.
 std::vector<Daemon> listen(const std::string& lcm_url)
@@ -31,15 +38,18 @@ std::vector<Daemon> listen(const std::string& lcm_url)
   return heard.at(Bus::Clock::now());
 }
 
+std::string_view grade(const Finding& finding)
+{
+  constexpr std::array<std::string_view, 3> names{"ok", "note", "wrong"};
+  return names[static_cast<std::size_t>(finding.grade)];
+}
+
 std::string as_text(const std::vector<Finding>& findings)
 {
   std::string text;
   for (const Finding& finding : findings)
   {
-    const char* grade = finding.grade == Finding::Grade::good     ? "ok   "
-                        : finding.grade == Finding::Grade::remark ? "note "
-                                                                  : "WRONG";
-    text += fmt::format("{} {}\n", grade, finding.text);
+    text += fmt::format("{:<5} {}\n", finding.grade == Finding::Grade::bad ? "WRONG" : grade(finding), finding.text);
     if (!finding.mend.empty())
       text += fmt::format("      $ {}\n", finding.mend);
   }
@@ -50,22 +60,18 @@ std::string as_json(const std::vector<Finding>& findings)
 {
   Json list = Json::array();
   for (const Finding& finding : findings)
-    list.push_back({{"grade", finding.grade == Finding::Grade::good     ? "ok"
-                              : finding.grade == Finding::Grade::remark ? "note"
-                                                                        : "wrong"},
-                    {"text", finding.text},
-                    {"mend", finding.mend}});
+    list.push_back({{"grade", grade(finding)}, {"text", finding.text}, {"mend", finding.mend}});
   return list.dump(2, ' ', false, Json::error_handler_t::replace) + '\n';
 }
 
-ExitCode examine(const std::string& lcm_url, bool json)
+ExitCode examine(const DoctorOptions& options)
 {
-  BusFacts facts = look_at_bus(lcm_url);
+  BusFacts facts = look_at_bus(options.lcm_url);
   // where not even the plain message came back, LCM would only search for its own for ten seconds
   if (facts.came_back)
     try
     {
-      facts.daemons = listen(lcm_url);
+      facts.daemons = listen(options.lcm_url);
     }
     catch (const BusError& error)
     {
@@ -74,24 +80,15 @@ ExitCode examine(const std::string& lcm_url, bool json)
   const std::vector<Finding> findings = diagnose(facts);
 
   OutputFile out("-");
-  out.write(json ? as_json(findings) : printable_lines(as_text(findings)));
-  const auto is_bad = [](const Finding& finding)
-  {
-    return finding.grade == Finding::Grade::bad;
-  };
-  return std::any_of(findings.begin(), findings.end(), is_bad) ? ExitCode::failed : ExitCode::done;
+  out.write(options.json ? as_json(findings) : printable_lines(as_text(findings)));
+  return std::ranges::count(findings, Finding::Grade::bad, &Finding::grade) > 0 ? ExitCode::failed : ExitCode::done;
 }
 
 } // namespace
 
 Subcommand add_doctor(CLI::App& torquectl)
 {
-  struct Options
-  {
-    std::string lcm_url;
-    bool json = false;
-  };
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<DoctorOptions>();
   CLI::App* app = torquectl.add_subcommand(
       "doctor", "what is wrong with this machine's LCM set-up, each finding with the command that mends it");
   app->add_flag("--json", options->json, "the findings as JSON: grade (ok, note, wrong), text, mend");
@@ -101,10 +98,7 @@ Subcommand add_doctor(CLI::App& torquectl)
               "Exit code: 0 if nothing is wrong, notes apart; else 1.\n\n"
               "Example:\n"
               "  LCM_DEFAULT_URL='udpm://239.255.76.67:7667?ttl=0' torquectl doctor");
-  return {app, [options]
-          {
-            return examine(options->lcm_url, options->json);
-          }};
+  return {app, options, examine};
 }
 
 } // namespace torqued

@@ -37,8 +37,7 @@ struct DynamicsOptions
 
 EliminationMethod elimination_named(std::string_view name)
 {
-  return std::find_if(kEliminations.begin(), kEliminations.end(), [&](const auto& known) { return known.name == name; })
-      ->method;
+  return std::ranges::find(kEliminations, name, &NamedElimination::name)->method;
 }
 
 // rows that are sent of a matrix that may keep more
@@ -160,8 +159,8 @@ ExitCode dynamics(const DynamicsOptions& options)
   print_summary(path, fmt::format("{}: {} of {} samples, in {} coordinates\n", robot.name, samples - refused_samples,
                                   samples, options.coordinates));
   if (refused_samples == samples)
-    throw Failure(ExitCode::bad_data, fmt::format("{}: all {} samples were refused; the first: {}",
-                                                  options.offline.file, samples, first_refusal));
+    throw Failure(ExitCode::bad_data, "{}: all {} samples were refused; the first: {}", options.offline.file, samples,
+                  first_refusal);
   if (refused_samples > 0)
     note(fmt::format("{} of {} samples were refused; the first: {}", refused_samples, samples, first_refusal));
   return ExitCode::done;
@@ -181,10 +180,10 @@ Subcommand add_dynamics(CLI::App& torquectl)
   app->add_flag("--regressor", options->regressor,
                 "Y and alpha, too: Y alpha = generalized_force + B (rotors and friction); `torquectl model` says what "
                 "each alpha stands for");
-  CLI::Option* flag = app->add_flag(
-      "--reduced", options->reduced,
-      "the reduced form, too: F, Fdot, F_bar, reduced_mass, reduced_coriolis, reduced_gravity, reduced_input, the "
-      "independent coordinates by number from 0, and multipliers");
+  CLI::Option* flag =
+      app->add_flag("--reduced", options->reduced,
+                    "the reduced form, too: F, Fdot, F_bar, reduced_mass, reduced_coriolis, reduced_gravity, "
+                    "reduced_input, the independent coordinates by number from 0, and multipliers");
   std::vector<std::string> eliminations;
   for (const auto& known : kEliminations)
     eliminations.emplace_back(known.name);
@@ -196,10 +195,9 @@ Subcommand add_dynamics(CLI::App& torquectl)
   add_answer_options(*app, options->offline);
   app->get_option("--method")->needs(flag);
   app->footer(
-      "M a + C v + g = B tau + J' w. Rows and columns are the robot's coordinates, then the base point's x and z "
-      "if its root floats. power: of "
-      "the generalized force, the rate of the energy; SI. A fixed root's own "
-      "contact has no rows in J.\n\n"
+      "M a + C v + g = B tau + J' w. Rows and columns are the robot's coordinates, then the base point's x and z if "
+      "its root floats. power: of the generalized force, the rate of the energy; SI. A fixed root's own contact has no "
+      "rows in J.\n\n"
       "v = F z', a = F z'' + Fdot z' for all motions that keep the contacts, J F = 0; multipliers: what the ground "
       "does\n"
       "if the motors' torques are those of the method (--method), in the order of the rows of J; null where there is "
@@ -207,10 +205,7 @@ Subcommand add_dynamics(CLI::App& torquectl)
       "answer. With project = true in the configuration all is of the projected motion.\n\n"
       "Example, in the source directory:\n"
       "  torquectl dynamics client/trajectories/subject01-walk/walk.csv --robot human-subject01 -o /tmp/d.json");
-  return {app, [options]
-          {
-            return dynamics(*options);
-          }};
+  return {app, options, dynamics};
 }
 
 } // namespace torqued

@@ -311,10 +311,7 @@ Subcommand add_echo(CLI::App& torquectl)
   add_prefix_option(*app, options->prefix);
   app->footer("Example, while torqued runs on this bus and a client sends:\n"
               "  LCM_DEFAULT_URL='udpm://239.255.76.67:7667?ttl=0' torquectl echo --count 10");
-  return {app, [options]
-          {
-            return echo_bus(*options);
-          }};
+  return {app, options, echo_bus};
 }
 
 } // namespace torqued

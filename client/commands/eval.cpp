@@ -139,10 +139,9 @@ Subcommand add_eval(CLI::App& torquectl)
 {
   const auto options = std::make_shared<OfflineOptions>();
   CLI::App* app = torquectl.add_subcommand("eval", "answer a trajectory without a bus: the same bits as the daemon's");
-  add_offline_options(
-      *app, *options,
-      "where the answers go: .csv, one row each, or .lcm, a log of desired states and answers; - is the "
-      "CSV on the standard output");
+  add_offline_options(*app, *options,
+                      "where the answers go: .csv, one row each, or .lcm, a log of desired states and answers; - is "
+                      "the CSV on the standard output");
   add_answer_options(*app, *options);
   app->footer(
       "A row of the CSV holds a desired state and its answer, so it can be read as a trajectory again, as what export\n"
@@ -150,10 +149,7 @@ Subcommand add_eval(CLI::App& torquectl)
       "Rejected samples have a row that says so. The exit code is 0 if any sample was answered, 65 if none was.\n\n"
       "Example, in the source directory:\n"
       "  torquectl eval client/trajectories/subject01-walk/walk.csv --robot human-subject01 -o /tmp/answers.csv");
-  return {app, [options]
-          {
-            return eval(*options);
-          }};
+  return {app, options, eval};
 }
 
 } // namespace torqued

@@ -37,9 +37,8 @@ MotionTable table_of(const Trajectory& trajectory, const model_info_t& model)
   {
     const desired_state_t& state = trajectory.states[i];
     if (state.num_coordinates != model.num_coordinates)
-      throw Failure(ExitCode::bad_data,
-                    fmt::format("{}: found {} coordinates; expected {}, those of {}", trajectory.place(i),
-                                state.num_coordinates, model.num_coordinates, printable(model.name)));
+      throw Failure(ExitCode::bad_data, "{}: found {} coordinates; expected {}, those of {}", trajectory.place(i),
+                    state.num_coordinates, model.num_coordinates, printable(model.name));
     table.see(state);
   }
   return table;
@@ -69,21 +68,17 @@ ExitCode export_log(const ExportOptions& options)
   require_other_file(options.log, options.out);
   const std::string bytes = read_file(options.log);
   if (!LogReader::is_log(bytes))
-    throw Failure(ExitCode::bad_data, fmt::format("{}: is {}; expected what lcm-logger wrote", options.log,
-                                                  foreign_file(bytes).value_or("no LCM log")));
+    throw Failure(ExitCode::bad_data, "{}: is {}; expected what lcm-logger wrote", options.log,
+                  foreign_file(bytes).value_or("no LCM log"));
   const Trajectory trajectory = parse_trajectory(bytes, options.log, {}, false, channels);
   const model_info_t model = choose_model(said_robot(options.robot), robots_named_by(bytes, options.log, channels));
   note(notes(trajectory));
   RecordedAnswers answers(bytes, options.log, channels, model.model_id);
-  const auto of_another = [&model](const desired_state_t& state)
-  {
-    return state.model_id != 0 && state.model_id != model.model_id;
-  };
-  if (answers.empty() && std::all_of(trajectory.states.begin(), trajectory.states.end(), of_another))
+  if (answers.empty() && std::ranges::all_of(trajectory.states, [&model](const desired_state_t& state)
+                                             { return state.model_id != 0 && state.model_id != model.model_id; }))
     throw Failure(ExitCode::bad_data,
-                  fmt::format("{}: found desired states for model_id {}; expected {}, that of {}: they are another "
-                              "robot's",
-                              options.log, trajectory.states.front().model_id, model.model_id, printable(model.name)));
+                  "{}: found desired states for model_id {}; expected {}, that of {}: they are another robot's",
+                  options.log, trajectory.states.front().model_id, model.model_id, printable(model.name));
   note(answers.notes());
   const MotionTable table = table_of(trajectory, model);
   OutputFile csv(options.out);
@@ -94,11 +89,9 @@ ExitCode export_log(const ExportOptions& options)
     csv.write(next_line(table, trajectory.states[i], answers, model, trajectory.place(i), tally));
   csv.close();
 
-  const auto rows = static_cast<std::int64_t>(trajectory.states.size());
-  print_summary(options.out,
-                fmt::format("{}: {} of {} samples answered, {} without an answer, {}\n{}{}", printable(model.name),
-                            tally.answered, rows, rows - tally.answered - tally.num_rejected(), tally.rejections(),
-                            tally.flag_line(), tally.first_of_each()));
+  const std::size_t rows = trajectory.states.size();
+  const auto silent = static_cast<std::int64_t>(rows) - tally.answered - tally.num_rejected();
+  print_summary(options.out, tally.summary(printable(model.name), rows, fmt::format("{} without an answer, ", silent)));
   return ExitCode::done;
 }
 
@@ -123,10 +116,7 @@ Subcommand add_export(CLI::App& torquectl)
       "  lcm-logger -q -f /tmp/walk.lcm & sleep 1\n"
       "  torquectl send client/trajectories/subject01-walk/walk.csv; kill $!; wait $!\n"
       "  torquectl export /tmp/walk.lcm -o /tmp/walk.csv");
-  return {app, [options]
-          {
-            return export_log(*options);
-          }};
+  return {app, options, export_log};
 }
 
 } // namespace torqued

@@ -11,11 +11,14 @@
 #include <CLI/CLI.hpp>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <fmt/format.h>
 #include <limits>
+#include <map>
 #include <memory>
 #include <optional>
+#include <string_view>
 
 namespace torqued
 {
@@ -23,35 +26,50 @@ namespace torqued
 namespace
 {
 
-// Options as given: lengths in m, times in s, angles in degrees.
+// A number of the gait as an option: m, s, a share, or degrees.
+struct GaitNumber
+{
+  const char* option;
+  double GaitOptions::*number;
+  const char *unit, *what;
+
+  double factor() const { return std::string_view(unit) == "DEGREES" ? kDegree : 1.0; }
+};
+constexpr const char* kHipHeight = "--hip-height";
+constexpr std::array<GaitNumber, 10> kNumbers{
+    {{"--step-length", &GaitOptions::step_length, "M", "from one foothold to the next; default: 0.45 leg lengths"},
+     {"--step-time", &GaitOptions::step_time, "S",
+      "of a single and a double support; default: 2.6 sqrt(leg length / gravity)"},
+     {"--double-support", &GaitOptions::double_support, "SHARE", "share of the step time; default: 0.4"},
+     {"--first-part", &GaitOptions::first_part, "SHARE",
+      "share of double support in which the trailing foot is still flat; default: 0.5"},
+     {"--heel-strike", &GaitOptions::heel_strike, "DEGREES", "pitch of the foot that lands, toe up; default: 10"},
+     {"--toe-off", &GaitOptions::toe_off, "DEGREES", "pitch of the foot that lifts, heel up; default: 15"},
+     {kHipHeight, &GaitOptions::hip_height, "M",
+      "of the base point; default: 0.94 leg lengths above the ankles, or as much less as the steps need"},
+     {"--clearance", &GaitOptions::clearance, "M", "how much the swinging foot is lifted; default: 0.04 leg lengths"},
+     {"--trunk-angle", &GaitOptions::trunk_angle, "DEGREES",
+      "counter-clockwise, so that negative leans forward; default: 0"},
+     {"--standing", &GaitOptions::standing, "S",
+      "how long to stand before the first and after the last step, feet side by side; default: not at all"}}};
+
 struct GaitCommand
 {
   std::string out, robot;
-  std::optional<double> step_length, step_time, double_support, first_part, heel_strike, toe_off, hip_height, clearance,
-      trunk_angle, standing;
+  std::map<std::string_view, double> numbers; // those that were given, by their option
   bool flat_footed = false, anyway = false;
   std::optional<int> steps;
   double rate = 200.0;
+
+  bool says_hip_height() const { return numbers.contains(kHipHeight); }
 };
 
 GaitOptions chosen(const GaitCommand& command, const Robot& robot)
 {
   GaitOptions options = default_gait(robot);
-  const auto set = [](double& option, const std::optional<double>& value, double unit = 1.0)
-  {
-    if (value)
-      option = *value * unit;
-  };
-  set(options.step_length, command.step_length);
-  set(options.step_time, command.step_time);
-  set(options.double_support, command.double_support);
-  set(options.first_part, command.first_part);
-  set(options.heel_strike, command.heel_strike, kDegree);
-  set(options.toe_off, command.toe_off, kDegree);
-  set(options.hip_height, command.hip_height);
-  set(options.clearance, command.clearance);
-  set(options.trunk_angle, command.trunk_angle, kDegree);
-  set(options.standing, command.standing);
+  for (const GaitNumber& number : kNumbers)
+    if (const auto given = command.numbers.find(number.option); given != command.numbers.end())
+      options.*number.number = given->second * number.factor();
   options.flat_footed = command.flat_footed;
   options.steps = command.steps.value_or(options.steps);
   return options;
@@ -69,7 +87,7 @@ Gait find_gait(const GaitCommand& command, const Robot& robot)
     }
     catch (const LegTooShort&)
     {
-      if (command.hip_height || options.hip_height - step < lowest)
+      if (command.says_hip_height() || options.hip_height - step < lowest)
         throw;
     }
 }
@@ -80,16 +98,13 @@ int write(const Gait& gait, const Robot& robot, double rate, OutputFile& file)
 {
   file.write(csv_line(motion_columns(robot, true)) + robot_lines(robot.name, robot.model_id));
   const GaitOptions& o = gait.options();
-  file.write(fmt::format(
-      "# torquectl gait --robot {} --step-length {} --step-time {} --double-support {} --first-part {} --heel-strike "
-      "{:.6g} --toe-off {:.6g} --hip-height {} --clearance {} --trunk-angle {:.6g} --standing {} --steps {} --rate "
-      "{}{}\n"
-      "# Where contacts change, two rows show the same instant, 1 us apart: as the end of one phase and the begin of "
-      "the "
-      "next.\n",
-      robot.name, o.step_length, o.step_time, o.double_support, o.first_part, o.heel_strike / kDegree,
-      o.toe_off / kDegree, o.hip_height, o.clearance, o.trunk_angle / kDegree, o.standing, o.steps, rate,
-      o.flat_footed ? " --flat-footed" : ""));
+  file.write("# torquectl gait --robot " + robot.name);
+  for (const GaitNumber& number : kNumbers)
+    file.write(number.factor() == 1.0 ? fmt::format(" {} {}", number.option, o.*number.number)
+                                      : fmt::format(" {} {:.6g}", number.option, o.*number.number / number.factor()));
+  file.write(fmt::format(" --steps {} --rate {}{}\n", o.steps, rate, o.flat_footed ? " --flat-footed" : ""));
+  file.write("# Where contacts change, two rows show the same instant, 1 us apart: as the end of one phase and the "
+             "begin of the next.\n");
 
   int rows = 0;
   const auto row = [&](std::int64_t utime, double t, const GaitPhase& phase)
@@ -127,14 +142,13 @@ ExitCode run_gait(const GaitCommand& command)
   for (const GaitPhase& phase : gait.phases())
     shortest = std::min(shortest, phase.end - phase.begin);
   if (!(shortest * command.rate >= 1.0 && command.rate <= 1e5))
-    throw Failure(
-        ExitCode::usage,
-        fmt::format("--rate: found {:g}; expected {:.4g} to 100000 Hz, so that each phase has a sample of its own",
-                    command.rate, 1.0 / shortest));
+    throw Failure(ExitCode::usage,
+                  "--rate: found {:g}; expected {:.4g} to 100000 Hz, so that each phase has a sample of its own",
+                  command.rate, 1.0 / shortest);
   const std::string obstacle = gait.obstacle();
   if (!obstacle.empty() && !command.anyway)
-    throw Failure(ExitCode::usage,
-                  fmt::format("{} cannot walk like this: {}; --anyway writes it all the same", robot.name, obstacle));
+    throw Failure(ExitCode::usage, "{} cannot walk like this: {}; --anyway writes it all the same", robot.name,
+                  obstacle);
   OutputFile file(command.out);
   const int rows = write(gait, robot, command.rate, file);
   file.close();
@@ -147,7 +161,7 @@ ExitCode run_gait(const GaitCommand& command)
   if (std::isfinite(report.switch_margin))
     margins += fmt::format(", and {:.3f} m between toe and heel where the trailing heel lifts", report.switch_margin);
   note(margins);
-  if (!command.hip_height && options.hip_height < default_gait(robot).hip_height)
+  if (!command.says_hip_height() && options.hip_height < default_gait(robot).hip_height)
     note(fmt::format("the hips are {:.3f} m high, so that the legs reach", options.hip_height));
   if (!obstacle.empty())
     note(obstacle);
@@ -164,25 +178,10 @@ Subcommand add_gait(CLI::App& torquectl)
       ->type_name("OUT")
       ->required();
   add_robot_option(*app, command->robot, "no default");
-  const auto add = [&](const char* name, std::optional<double>& value, const char* what, const char* unit)
-  {
-    app->add_option(name, value, what)->type_name(unit);
-  };
-  add("--step-length", command->step_length, "from one foothold to the next; default: 0.45 leg lengths", "M");
-  add("--step-time", command->step_time, "of a single and a double support; default: 2.6 sqrt(leg length / gravity)",
-      "S");
-  add("--double-support", command->double_support, "share of the step time; default: 0.4", "SHARE");
-  add("--first-part", command->first_part,
-      "share of double support in which the trailing foot is still flat; default: 0.5", "SHARE");
-  add("--heel-strike", command->heel_strike, "pitch of the foot that lands, toe up; default: 10", "DEGREES");
-  add("--toe-off", command->toe_off, "pitch of the foot that lifts, heel up; default: 15", "DEGREES");
-  add("--hip-height", command->hip_height,
-      "of the base point; default: 0.94 leg lengths above the ankles, or as much less as the steps need", "M");
-  add("--clearance", command->clearance, "how much the swinging foot is lifted; default: 0.04 leg lengths", "M");
-  add("--trunk-angle", command->trunk_angle, "counter-clockwise, so that negative leans forward; default: 0",
-      "DEGREES");
-  add("--standing", command->standing,
-      "how long to stand before the first and after the last step, feet side by side; default: not at all", "S");
+  for (const GaitNumber& number : kNumbers)
+    app->add_option_function<double>(
+           number.option, [command, &number](double given) { command->numbers[number.option] = given; }, number.what)
+        ->type_name(number.unit);
   app->add_flag("--flat-footed", command->flat_footed, "keep the feet level: no heel strike, no toe off");
   app->add_flag("--anyway", command->anyway, "write the walk even if feet or motors cannot do it");
   app->add_option("--steps", command->steps, "how many; default: 4")->type_name("N");
@@ -197,10 +196,7 @@ Subcommand add_gait(CLI::App& torquectl)
       "the same instant as the end of one phase and as the begin of the next.\n\n"
       "Example:\n"
       "  torquectl gait --robot rk --step-length 0.4 -o /tmp/walk.csv && torquectl compare /tmp/walk.csv --robot rk");
-  return {app, [command]
-          {
-            return run_gait(*command);
-          }};
+  return {app, command, run_gait};
 }
 
 } // namespace torqued

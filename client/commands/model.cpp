@@ -177,9 +177,8 @@ std::string whole_toml(const std::string& name_or_path, const Robot& robot)
 void print_parameters(const Robot& robot)
 {
   const std::vector<BaseParameter> parameters = base_parameters(robot);
-  fmt::print(
-      "\nbase parameters: what the equation of motion, linear in them, can show of masses m, first moments mx and "
-      "mz,\ninertias I about the link's frame, and motors; SI; the order of alpha\n");
+  fmt::print("\nbase parameters: what the equation of motion, linear in them, can show of masses m, first moments mx "
+             "and mz,\ninertias I about the link's frame, and motors; SI; the order of alpha\n");
   for (const BaseParameter& parameter : parameters)
     fmt::print("  {:>12.6g}  {}\n", parameter.value, parameter.name);
 }
@@ -242,10 +241,7 @@ Subcommand add_model(CLI::App& torquectl)
               "  torquectl model --robot ck --urdf > /tmp/ck.urdf\n"
               "  torquectl model --robot ck --toml-for ck.urdf > /tmp/ck.toml\n"
               "  torquectl model --robot /tmp/ck.toml");
-  return {app, [options]
-          {
-            return model(*options);
-          }};
+  return {app, options, model};
 }
 
 } // namespace torqued

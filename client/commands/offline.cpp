@@ -56,9 +56,7 @@ OfflineInput read_offline_input(const OfflineOptions& options)
 void print_answered(const OfflineOptions& options, const Robot& robot, const DesiredMessages& desired,
                     const Tally& tally)
 {
-  print_summary(options.out,
-                fmt::format("{}: {} of {} samples answered, {}\n{}{}", robot.name, tally.answered,
-                            desired.messages.size(), tally.rejections(), tally.flag_line(), tally.first_of_each()));
+  print_summary(options.out, tally.summary(robot.name, desired.messages.size()));
   tally.require_answers(options.file);
 }
 
@@ -92,7 +90,7 @@ std::vector<DesiredState> decode_all(const Robot& robot, const DesiredMessages& 
   {
     const Result<DesiredState> state = decode_desired_state(desired.messages[i], robot);
     if (const Refusal* refusal = std::get_if<Refusal>(&state))
-      throw Failure(ExitCode::bad_data, fmt::format("{}: {}", desired.place(i), refusal->detail()));
+      throw Failure(ExitCode::bad_data, "{}: {}", desired.place(i), refusal->detail());
     states.push_back(std::get<DesiredState>(state));
   }
   return states;

@@ -81,7 +81,7 @@ void set_flag(std::string_view flag, void (*set)(Config&, const std::string&), C
   }
   catch (const std::invalid_argument& error)
   {
-    throw Failure(ExitCode::usage, fmt::format("{}: {}", flag, error.what()));
+    throw Failure(ExitCode::usage, "{}: {}", flag, error.what());
   }
 }
 
@@ -94,13 +94,9 @@ Channels channels_with(const std::optional<std::string>& prefix)
 
 void require_ending(const std::string& out, std::initializer_list<std::string_view> endings)
 {
-  const auto has = [&out](std::string_view ending)
-  {
-    return out.ends_with(ending);
-  };
-  if (out != "-" && std::none_of(endings.begin(), endings.end(), has))
-    throw Failure(ExitCode::usage, fmt::format("-o: found \"{}\"; expected a name that ends in {}, or -", out,
-                                               fmt::join(endings, " or ")));
+  if (out != "-" && std::ranges::none_of(endings, [&out](std::string_view ending) { return out.ends_with(ending); }))
+    throw Failure(ExitCode::usage, "-o: found \"{}\"; expected a name that ends in {}, or -", out,
+                  fmt::join(endings, " or "));
 }
 
 } // namespace torqued

@@ -32,8 +32,8 @@ void check_base(const Origin& origin, const std::vector<DesiredState>& states)
   for (std::size_t i = 0; i < states.size(); ++i)
     if (states[i].base_given != states.front().base_given)
       throw Failure(ExitCode::bad_data,
-                    fmt::format("{}: base is {}; expected it GIVEN in all desired states, or FROM_CONTACT in all",
-                                origin.place(i), states[i].base_given ? "GIVEN" : "FROM_CONTACT"));
+                    "{}: base is {}; expected it GIVEN in all desired states, or FROM_CONTACT in all", origin.place(i),
+                    states[i].base_given ? "GIVEN" : "FROM_CONTACT");
 }
 
 // Footholds by the mean over each stance of a foot.
@@ -47,7 +47,7 @@ std::vector<Footholds> find_footholds(const Robot& robot, const Origin& origin, 
   {
     const Result<Motion> motion = complete_motion(robot, states[i]);
     if (const Refusal* refusal = std::get_if<Refusal>(&motion))
-      throw Failure(ExitCode::bad_data, fmt::format("{}: {}", origin.place(i), refusal->detail()));
+      throw Failure(ExitCode::bad_data, "{}: {}", origin.place(i), refusal->detail());
     for (const Side side : kSides)
       if (in_contact(states[i], side))
         marks[i][static_cast<std::size_t>(side)] =
@@ -154,8 +154,7 @@ struct Report
 
   std::string text(const Robot& robot) const
   {
-    const bool slides =
-        std::any_of(robot.links.begin(), robot.links.end(), [](const Link& link) { return link.type().slides(); });
+    const bool slides = std::ranges::any_of(robot.links, [](const Link& link) { return link.type().slides(); });
     const auto unit = [slides](const std::string& per)
     {
       return slides ? fmt::format("rad{0} or m{0}", per) : "rad" + per;
@@ -187,7 +186,7 @@ ExitCode run_project(const OfflineOptions& options)
   {
     const Result<Projection> result = project(robot, states[i], footholds[i]);
     if (const Refusal* refusal = std::get_if<Refusal>(&result))
-      throw Failure(ExitCode::bad_data, fmt::format("{}: {}", desired.place(i), refusal->detail()));
+      throw Failure(ExitCode::bad_data, "{}: {}", desired.place(i), refusal->detail());
     const Projection& projection = std::get<Projection>(result);
     report.add(robot, desired.place(i), states[i], projection);
     const Method method = projection.state.method;
@@ -219,10 +218,7 @@ Subcommand add_project(CLI::App& torquectl)
       "which are where each sample has them.\n\n"
       "Example:\n"
       "  torquectl gait --robot ck -o /tmp/walk.csv && torquectl project /tmp/walk.csv -o /tmp/projected.csv");
-  return {app, [options]
-          {
-            return run_project(*options);
-          }};
+  return {app, options, run_project};
 }
 
 } // namespace torqued

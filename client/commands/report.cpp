@@ -64,10 +64,8 @@ Robot find_robot(const std::vector<Input>& inputs, const SaidRobot& said)
       require_same_robot(input.named, robot.name, robot.model_id, said.by);
     else if (const Robot other = choose_drawn_robot(said, input.named); other.model_id != robot.model_id)
       throw Failure(ExitCode::bad_data,
-                    fmt::format("{} is of {} (model_id {}) and {} of {} (model_id {}); a page shows one robot: make a "
-                                "page of each",
-                                inputs.front().file, robot.name, robot.model_id, input.file, other.name,
-                                other.model_id));
+                    "{} is of {} (model_id {}) and {} of {} (model_id {}); a page shows one robot: make a page of each",
+                    inputs.front().file, robot.name, robot.model_id, input.file, other.name, other.model_id);
   return robot;
 }
 
@@ -77,8 +75,7 @@ std::int64_t longest_stream(const Trajectory& trajectory)
   std::map<std::int64_t, std::size_t> counts;
   for (const desired_state_t& state : trajectory.states)
     ++counts[state.stream_id];
-  const auto longest =
-      std::max_element(counts.begin(), counts.end(), [](const auto& a, const auto& b) { return a.second < b.second; });
+  const auto longest = std::ranges::max_element(counts, {}, [](const auto& count) { return count.second; });
   if (counts.size() > 1)
     note(fmt::format(
         "{}: holds {} streams of desired states; the page shows the longest, stream_id {}, {} of {} samples",
@@ -122,12 +119,11 @@ Samples choose_samples(const Robot& robot, const Trajectory& trajectory, double 
     samples.places.push_back(i);
   }
   if (!last)
-    throw Failure(ExitCode::bad_data, fmt::format("{}: no sample can be shown with {}; the first: {}", trajectory.file,
-                                                  robot.name, complaint));
+    throw Failure(ExitCode::bad_data, "{}: no sample can be shown with {}; the first: {}", trajectory.file, robot.name,
+                  complaint);
   if (samples.states.empty())
-    throw Failure(ExitCode::usage,
-                  fmt::format("--from {} --to {}: {} holds no sample there; expected times between 0 and {:.3f} s",
-                              from, to, trajectory.file, 1e-6 * static_cast<double>(*last - *first)));
+    throw Failure(ExitCode::usage, "--from {} --to {}: {} holds no sample there; expected times between 0 and {:.3f} s",
+                  from, to, trajectory.file, 1e-6 * static_cast<double>(*last - *first));
   if (unusable > 0)
     note(fmt::format("{} of the samples of {} make no sense for {} and are not shown; the first: {}", unusable,
                      trajectory.file, robot.name, complaint));
@@ -168,7 +164,7 @@ std::optional<ReportRun> recorded_run(const Input& input, const Samples& samples
       methods.insert(method_name(command->method));
   }
   // answers of torquectl eval took no time
-  if (std::none_of(run.times.begin(), run.times.end(), [](const AnswerTime& time) { return time.compute_us > 0.0; }))
+  if (std::ranges::none_of(run.times, [](const AnswerTime& time) { return time.compute_us > 0.0; }))
     run.times.clear();
   run.name = methods.empty() ? "as recorded" : fmt::format("as recorded, {}", fmt::join(methods, ", "));
   return run;
@@ -213,15 +209,16 @@ AnswerRows rows_sent(const std::vector<DesiredState>& rows, const std::vector<De
     }
     // of equal poses the next one after the row before; after the last row the motion begins again
     const std::vector<std::size_t>& equal = found->second;
-    const auto next = last ? std::upper_bound(equal.begin(), equal.end(), *last) : equal.begin();
+    const auto next = last ? std::ranges::upper_bound(equal, *last) : equal.begin();
     last = next == equal.end() ? equal.front() : *next;
     sent.push_back(last);
   }
-  const auto found = std::count_if(sent.begin(), sent.end(), [](const auto& row) { return row.has_value(); });
+  const auto found = std::ranges::count_if(sent, [](const auto& row) { return row.has_value(); });
   if (found == 0)
-    throw Failure(ExitCode::bad_data, fmt::format("{}: no row has the coordinates of a sample of the motion; expected "
-                                                  "the CSV that was sent, with columns of what was measured",
-                                                  file));
+    throw Failure(ExitCode::bad_data,
+                  "{}: no row has the coordinates of a sample of the motion; expected the CSV that was sent, with "
+                  "columns of what was measured",
+                  file);
   if (found < static_cast<std::ptrdiff_t>(states.size()))
     note(fmt::format("{}: {} of {} samples have no row with the same coordinates", file,
                      static_cast<std::ptrdiff_t>(states.size()) - found, states.size()));
@@ -263,10 +260,10 @@ Measured find_measured(const Input& input, const Samples& samples, const Robot& 
   const std::vector<DesiredState> states = decode_all(robot, encode_all(trajectory));
   const Measured measured = read_measured(bytes, options.measured, robot, states);
   if (measured.channels.empty())
-    throw Failure(ExitCode::bad_data,
-                  fmt::format("{}: found no column of what was measured; expected FxL, FzL, ML, FxR, FzR, MR, or "
-                              "pub_ankleL and so on",
-                              options.measured));
+    throw Failure(
+        ExitCode::bad_data,
+        "{}: found no column of what was measured; expected FxL, FzL, ML, FxR, FzR, MR, or pub_ankleL and so on",
+        options.measured);
   return choose(measured, rows_sent(states, samples.states, options.measured));
 }
 
@@ -277,8 +274,7 @@ std::string stem(const std::string& file)
 
 std::ptrdiff_t num_answered(const ReportRun& run)
 {
-  return std::count_if(run.answers.begin(), run.answers.end(),
-                       [](const std::optional<Answer>& answer) { return answer.has_value(); });
+  return std::ranges::count_if(run.answers, [](const std::optional<Answer>& answer) { return answer.has_value(); });
 }
 
 // "constrained: 445 of 447 samples answered, INFEASIBLE 2; rms from the plates 42.8 N forward, 42.0 N upward"
@@ -362,8 +358,8 @@ ExitCode report(const ReportOptions& options)
     }
   print_summary(options.out, summaries);
   if (!answered)
-    throw Failure(ExitCode::bad_data, fmt::format("no sample was answered; {}: {}", motions.front().source,
-                                                  summary(motions.front(), motions.front().runs.front())));
+    throw Failure(ExitCode::bad_data, "no sample was answered; {}: {}", motions.front().source,
+                  summary(motions.front(), motions.front().runs.front()));
   return ExitCode::done;
 }
 
@@ -381,17 +377,17 @@ Subcommand add_report(CLI::App& torquectl)
       ->type_name("PAGE.html")
       ->required();
   add_robot_option(*app, options->robot, kRobotOfFile);
-  app->add_option("--method", options->methods,
-                  fmt::format("answer anew by this method, whatever the samples ask for; once for each method to "
-                              "compare: {}",
-                              method_names()))
+  app->add_option(
+         "--method", options->methods,
+         fmt::format("answer anew by this method, whatever the samples ask for; once for each method to compare: {}",
+                     method_names()))
       ->type_name("NAME")
       ->allow_extra_args(false);
   app->add_option("--config", options->config, "the daemon's configuration file, for what is answered anew")
       ->type_name("FILE");
-  app->add_option("--measured", options->measured,
-                  "the CSV that was sent, with columns of what was measured; default: the columns of FILE, if it is a "
-                  "CSV")
+  app->add_option(
+         "--measured", options->measured,
+         "the CSV that was sent, with columns of what was measured; default: the columns of FILE, if it is a CSV")
       ->type_name("CSV");
   app->add_option("--from", options->from, "begin there, s since the first sample")->type_name("S")->check(check_time);
   app->add_option("--to", options->to, "end there, s since the first sample")->type_name("S")->check(check_time);
@@ -409,10 +405,7 @@ Subcommand add_report(CLI::App& torquectl)
       "Example, in the source directory:\n"
       "  torquectl report client/trajectories/subject01-walk/walk.csv --robot human-subject01 \\\n"
       "    --method human-transition --method constrained -o /tmp/walk.html");
-  return {app, [options]
-          {
-            return report(*options);
-          }};
+  return {app, options, report};
 }
 
 } // namespace torqued

@@ -33,77 +33,47 @@ std::string how_to_say()
 
 constexpr std::string_view kAround = " \t\r,;"; // a comment's text: spreadsheets append empty cells to its line
 
-// Collects what the comment lines of a CSV say.
-class CommentLines
-{
-public:
-  explicit CommentLines(const std::string& file) : file_(file) {}
-
-  // what follows the # of a comment
-  void read(std::string_view comment, std::size_t line)
-  {
-    comment = trimmed(comment, kAround);
-    if (comment.starts_with(kRobot))
-      set(name_, parse_name(trimmed(comment.substr(kRobot.size()), kAround), line), kRobot, line);
-    else if (comment.starts_with(kModelId))
-      set(model_id_, parse_id(trimmed(comment.substr(kModelId.size()), kAround), line), kModelId, line);
-  }
-
-  std::optional<Named> robot() const
-  {
-    if (!name_ && model_id_)
-      throw Failure(ExitCode::bad_data,
-                    fmt::format("{}: found a comment line \"# model_id:\" without a line \"# robot: "
-                                "NAME\"; expected both, or none",
-                                file_));
-    return name_ ? std::optional(Named{*name_, model_id_}) : std::nullopt;
-  }
-
-private:
-  std::string parse_name(std::string_view text, std::size_t line) const
-  {
-    if (text.empty())
-      throw Failure(ExitCode::bad_data, fmt::format("{}:{}: robot: found nothing; expected its name", file_, line));
-    return std::string(text);
-  }
-
-  std::int64_t parse_id(std::string_view text, std::size_t line) const
-  {
-    const std::optional<std::int64_t> id = number_in<std::int64_t>(text);
-    if (!id)
-      throw Failure(ExitCode::bad_data, fmt::format("{}:{}: model_id: found \"{}\"; expected a whole number, as "
-                                                    "torquectl model prints it",
-                                                    file_, line, printable(std::string(text))));
-    return *id;
-  }
-
-  template <typename Value>
-  void set(std::optional<Value>& value, const Value& found, std::string_view key, std::size_t line)
-  {
-    if (value && *value != found)
-      throw Failure(ExitCode::bad_data,
-                    fmt::format("{}:{}: found \"# {} {}\" after \"# {} {}\"; expected one robot in a file", file_, line,
-                                key, printable(fmt::format("{}", found)), key, printable(fmt::format("{}", *value))));
-    value = found;
-  }
-
-  const std::string& file_;
-  std::optional<std::string> name_;
-  std::optional<std::int64_t> model_id_;
-};
-
+// what the comment lines of a CSV say
 std::optional<Named> robot_of_csv(std::string_view bytes, const std::string& file)
 {
-  CommentLines comments(file);
+  std::optional<std::string> name;
+  std::optional<std::int64_t> model_id;
   const TableText text(bytes, file);
   LineCutter lines = text.lines();
+  const auto set = [&](auto& value, const auto& found, std::string_view key)
+  {
+    if (value && *value != found)
+      throw Failure(ExitCode::bad_data, "{}:{}: found \"# {} {}\" after \"# {} {}\"; expected one robot in a file",
+                    file, lines.number(), key, printable(fmt::format("{}", found)), key,
+                    printable(fmt::format("{}", *value)));
+    value = found;
+  };
   for (std::string_view line; lines.next(line);)
   {
-    const std::size_t first = line.find_first_not_of(" \t");
-    if (first != std::string_view::npos && line[first] == '#')
-      comments.read(line.substr(first + 1), lines.number());
+    line = trimmed(line);
+    const std::string_view comment = line.starts_with('#') ? trimmed(line.substr(1), kAround) : "";
+    const std::string said(trimmed(comment.substr(std::min(comment.find(':') + 1, comment.size())), kAround));
+    if (comment.starts_with(kRobot))
+    {
+      if (said.empty())
+        throw Failure(ExitCode::bad_data, "{}:{}: robot: found nothing; expected its name", file, lines.number());
+      set(name, said, kRobot);
+    }
+    else if (comment.starts_with(kModelId))
+    {
+      const std::optional<std::int64_t> id = number_in<std::int64_t>(said);
+      if (!id)
+        throw Failure(ExitCode::bad_data,
+                      "{}:{}: model_id: found \"{}\"; expected a whole number, as torquectl model prints it", file,
+                      lines.number(), printable(said));
+      set(model_id, *id, kModelId);
+    }
   }
-  return comments.robot();
+  if (!name && model_id)
+    throw Failure(ExitCode::bad_data,
+                  "{}: found a comment line \"# model_id:\" without a line \"# robot: NAME\"; expected both, or none",
+                  file);
+  return name ? std::optional(Named{*name, model_id}) : std::nullopt;
 }
 
 Named named(const model_info_t& model)
@@ -120,8 +90,7 @@ std::vector<Named> robots_of_log(std::string_view bytes, const Channels& channel
     model_info_t model;
     if (record->channel != channels.model || !decode(record->data, model))
       continue;
-    if (std::none_of(robots.begin(), robots.end(),
-                     [&](const Named& known) { return known.model_id == model.model_id; }))
+    if (std::ranges::count(robots, model.model_id, &Named::model_id) == 0)
       robots.push_back(named(model));
   }
   return robots;
@@ -178,8 +147,7 @@ std::string remedy(const NamedRobots& named)
 // Names of the same robot that differ in their model_id: its file, or what reads it, has changed.
 std::string_view if_changed(const NamedRobots& named, const std::string& name)
 {
-  const bool same_name =
-      std::any_of(named.robots.begin(), named.robots.end(), [&](const Named& robot) { return robot.name == name; });
+  const bool same_name = std::ranges::count(named.robots, name, &Named::name) > 0;
   return same_name ? " (the robot has been changed since, or torqued has)" : "";
 }
 
@@ -191,7 +159,7 @@ const Named& only_robot(const NamedRobots& named)
                                                         named.file, how_to_say())
                                           : fmt::format("{} does not name its robot: {}", named.file, how_to_say()));
   if (named.robots.size() > 1)
-    throw Failure(ExitCode::bad_data, fmt::format("{}: say by --robot which one is meant", statement(named)));
+    throw Failure(ExitCode::bad_data, "{}: say by --robot which one is meant", statement(named));
   return named.robots.front();
 }
 
@@ -246,7 +214,7 @@ Robot load_said_robot(const std::string& name_or_path)
 Robot require_robot(const std::string& said)
 {
   if (said.empty())
-    throw Failure(ExitCode::usage, fmt::format("no robot is said: {}", how_to_say()));
+    throw Failure(ExitCode::usage, "no robot is said: {}", how_to_say());
   return load_said_robot(said);
 }
 
@@ -263,8 +231,8 @@ Robot choose_robot(const SaidRobot& said, const NamedRobots& named)
     return std::move(*robot);
   if (ships(only.name))
     require_same_robot(named, only.name, load_said_robot(only.name).model_id, "the one that ships is");
-  throw Failure(ExitCode::bad_data,
-                fmt::format("{}, which does not ship; its masses are needed here: say --robot FILE", statement(named)));
+  throw Failure(ExitCode::bad_data, "{}, which does not ship; its masses are needed here: say --robot FILE",
+                statement(named));
 }
 
 Robot choose_drawn_robot(const SaidRobot& said, const NamedRobots& named)
@@ -284,14 +252,11 @@ model_info_t choose_model(const SaidRobot& said, const NamedRobots& log)
 
 void require_same_robot(const NamedRobots& named, const std::string& name, std::int64_t model_id, const std::string& by)
 {
-  const auto is_it = [&](const Named& robot)
-  {
-    return same(robot, name, model_id);
-  };
-  if (named.robots.empty() || std::any_of(named.robots.begin(), named.robots.end(), is_it))
+  if (named.robots.empty() ||
+      std::ranges::any_of(named.robots, [&](const Named& robot) { return same(robot, name, model_id); }))
     return;
-  throw Failure(ExitCode::bad_data, fmt::format("{}, but {} {}{}: {}", statement(named), by,
-                                                shown_robot(name, model_id), if_changed(named, name), remedy(named)));
+  throw Failure(ExitCode::bad_data, "{}, but {} {}{}: {}", statement(named), by, shown_robot(name, model_id),
+                if_changed(named, name), remedy(named));
 }
 
 } // namespace torqued

@@ -65,12 +65,11 @@ Schedule make_schedule(const Trajectory& trajectory, const SendOptions& options)
       continue;
     }
     if (i > 0 && (states[i].stream_id != states[i - 1].stream_id || states[i].utime <= states[i - 1].utime))
-      throw Failure(
-          ExitCode::bad_data,
-          fmt::format("{}: found utime {} of stream {} after utime {} of stream {}; expected one stream with rising "
-                      "times, or --rate, which does not need them",
-                      trajectory.place(i), states[i].utime, states[i].stream_id, states[i - 1].utime,
-                      states[i - 1].stream_id));
+      throw Failure(ExitCode::bad_data,
+                    "{}: found utime {} of stream {} after utime {} of stream {}; expected one stream with rising "
+                    "times, or --rate, which does not need them",
+                    trajectory.place(i), states[i].utime, states[i].stream_id, states[i - 1].utime,
+                    states[i - 1].stream_id);
     const double since_first = static_cast<double>(states[i].utime) - static_cast<double>(states[0].utime);
     schedule.due.push_back(1e-6 * since_first / options.speed);
   }
@@ -82,8 +81,7 @@ Schedule make_schedule(const Trajectory& trajectory, const SendOptions& options)
   else if (last > 0)
     schedule.round = 2.0 * schedule.due[last] - schedule.due[last - 1];
   else if (options.loop)
-    throw Failure(ExitCode::usage,
-                  fmt::format("--loop needs --rate: {} holds only one desired state", trajectory.file));
+    throw Failure(ExitCode::usage, "--loop needs --rate: {} holds only one desired state", trajectory.file);
   // Samples in equal steps never wait. A daemon answers the newest sample that it has: of two that it finds waiting,
   // because they are due together or the first was sent late, it would pass over the first.
   if (last > 0)
@@ -135,7 +133,7 @@ public:
 
   bool all_settled() const { return outstanding_.empty(); }
   bool settled(std::int64_t utime) const { return !outstanding_.contains(utime); }
-  std::int64_t num_sent() const { return sent_; }
+  std::size_t num_sent() const { return sent_; }
   std::int64_t num_lost() const { return lost_; }
   const Tally& tally() const { return tally_; }
 
@@ -156,7 +154,8 @@ private:
 
   std::int64_t stream_id_;
   std::map<std::int64_t, std::string> outstanding_; // by utime: where it stands in the file
-  std::int64_t sent_ = 0, lost_ = 0;
+  std::size_t sent_ = 0;
+  std::int64_t lost_ = 0;
   Tally tally_;
   std::vector<std::int64_t> round_trips_;
 };
@@ -193,9 +192,7 @@ private:
 
 void print_text(const std::string& robot, const Ledger& ledger)
 {
-  const Tally& tally = ledger.tally();
-  fmt::print("{}: {} of {} samples answered, {} lost, {}\n{}{}", robot, tally.answered, ledger.num_sent(),
-             ledger.num_lost(), tally.rejections(), tally.flag_line(), tally.first_of_each());
+  fmt::print("{}", ledger.tally().summary(robot, ledger.num_sent(), fmt::format("{} lost, ", ledger.num_lost())));
   if (ledger.num_lost() > 0)
     fmt::print("  lost: newer samples superseded them (torqued --every-sample answers all), or they did not arrive\n");
   if (const auto p50 = ledger.percentile(0.5))
@@ -304,7 +301,7 @@ ExitCode send(const SendOptions& options)
   else
     print_text(printable(robot.name), ledger);
   ledger.tally().require_answers(options.file);
-  return ledger.tally().answered == ledger.num_sent() ? ExitCode::done : ExitCode::failed;
+  return ledger.tally().answered == static_cast<std::int64_t>(ledger.num_sent()) ? ExitCode::done : ExitCode::failed;
 }
 
 } // namespace
@@ -340,10 +337,7 @@ Subcommand add_send(CLI::App& torquectl)
       "  export LCM_DEFAULT_URL='udpm://239.255.76.67:7667?ttl=0'\n"
       "  torqued --robot human-subject01 --every-sample & sleep 1\n"
       "  torquectl send client/trajectories/subject01-walk/walk.csv; kill $!");
-  return {app, [options]
-          {
-            return send(*options);
-          }};
+  return {app, options, send};
 }
 
 } // namespace torqued

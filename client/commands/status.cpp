@@ -69,11 +69,8 @@ ExitCode show_once(Bus& bus, const DaemonsHeard& heard, const StatusOptions& opt
   const auto complete = [&]
   {
     const std::vector<Daemon> daemons = heard.at(Clock::now());
-    const auto has_model = [](const Daemon& daemon)
-    {
-      return daemon.model || !daemon.present();
-    };
-    return Clock::now() > begin + 1050ms && !daemons.empty() && std::all_of(daemons.begin(), daemons.end(), has_model);
+    return Clock::now() > begin + 1050ms && !daemons.empty() &&
+           std::ranges::all_of(daemons, [](const Daemon& one) { return one.model || !one.present(); });
   };
   while (!bus.stopped() && !complete() && Clock::now() < begin + 2200ms)
     bus.wait(std::min(begin + 2200ms, Clock::now() + 100ms));
@@ -126,10 +123,7 @@ Subcommand add_status(CLI::App& torquectl)
   app->footer("Exit code 69 if it is to show once and no daemon is heard.\n\n"
               "Example:\n"
               "  LCM_DEFAULT_URL='udpm://239.255.76.67:7667?ttl=0' torquectl status --once");
-  return {app, [options]
-          {
-            return show_status(*options);
-          }};
+  return {app, options, show_status};
 }
 
 } // namespace torqued

@@ -36,10 +36,9 @@ int complain(ExitCode code, std::string_view message)
 
 int parse_and_run(int argc, const char* const* argv)
 {
-  CLI::App app{
-      "torquectl works with torqued, the daemon that computes joint torques of a planar biped: it sends motions, "
-      "shows and evaluates answers, and describes robots.",
-      "torquectl"};
+  CLI::App app{"torquectl works with torqued, the daemon that computes joint torques of a planar biped: it sends "
+               "motions, shows and evaluates answers, and describes robots.",
+               "torquectl"};
   app.set_version_flag("--version", "torquectl " TORQUED_VERSION);
   app.require_subcommand(1);
   app.footer("Each subcommand has its own --help, with an example. A first look, without daemon or bus:\n"
@@ -49,7 +48,7 @@ int parse_and_run(int argc, const char* const* argv)
   const std::vector<Subcommand> subcommands = add_subcommands(app);
   const auto chosen = [&]
   {
-    return std::find_if(subcommands.begin(), subcommands.end(), [](const Subcommand& s) { return s.app->parsed(); });
+    return std::ranges::find_if(subcommands, [](const Subcommand& s) { return s.app->parsed(); });
   };
   try
   {

@@ -114,24 +114,17 @@ private:
   bool stopping_ = false;
 };
 
-// Model messages of robots that cannot be shown: each is told to the user once.
-class PassedOver
+// Of a robot that cannot be shown the user is told once. told: the model_ids of those before.
+void tell(std::set<std::int64_t>& told, const model_info_t& model, const std::exception& why)
 {
-public:
-  void tell(const model_info_t& model, const std::exception& why)
-  {
-    constexpr std::size_t most = 20; // who makes up more must not fill the terminal
-    if (model_ids_.size() < most && model_ids_.insert(model.model_id).second)
-      note(fmt::format("{} (model_id {}) is named on this bus, and not shown: {}", printable(model.name),
-                       model.model_id, why.what()));
-  }
-
-private:
-  std::set<std::int64_t> model_ids_;
-};
+  constexpr std::size_t most = 20; // who makes up more must not fill the terminal
+  if (told.size() < most && told.insert(model.model_id).second)
+    note(fmt::format("{} (model_id {}) is named on this bus, and not shown: {}", printable(model.name), model.model_id,
+                     why.what()));
+}
 
 // Shows the first robot that can be shown, which need not be the first that somebody names. Nothing if a signal came.
-std::unique_ptr<View> first_view(Bus& bus, const ViewOptions& options, PassedOver& passed_over)
+std::unique_ptr<View> first_view(Bus& bus, const ViewOptions& options, std::set<std::int64_t>& told)
 {
   const auto until = Bus::Clock::now() + Bus::kModelPatience;
   for (;;)
@@ -145,7 +138,7 @@ std::unique_ptr<View> first_view(Bus& bus, const ViewOptions& options, PassedOve
     {
       if (!options.robot.empty())
         throw;
-      passed_over.tell(model, failure);
+      tell(told, model, failure);
       while (same_robot(bus.model(), model) && !bus.stopped() && Bus::Clock::now() < until)
         bus.wait(until);
       if (bus.stopped())
@@ -163,8 +156,8 @@ ExitCode view(const ViewOptions& options)
   if (!bus.wait_for_model(channels))
     return ExitCode::done;
   flush_denormals();
-  PassedOver passed_over;
-  const std::unique_ptr<View> first = first_view(bus, options, passed_over);
+  std::set<std::int64_t> told;
+  const std::unique_ptr<View> first = first_view(bus, options, told);
   if (!first)
     return ExitCode::done;
   View& view = *first;
@@ -200,7 +193,7 @@ ExitCode view(const ViewOptions& options)
     }
     catch (const std::runtime_error& error)
     {
-      passed_over.tell(named, error);
+      tell(told, named, error);
     }
   }
   return ExitCode::done;
@@ -231,10 +224,7 @@ Subcommand add_view(CLI::App& torquectl)
       "  export LCM_DEFAULT_URL='udpm://239.255.76.67:7667?ttl=0'\n"
       "  torquectl view &\n"
       "  torquectl send --loop client/trajectories/subject01-walk/walk.csv");
-  return {app, [options]
-          {
-            return view(*options);
-          }};
+  return {app, options, view};
 }
 
 } // namespace torqued

@@ -24,7 +24,7 @@ namespace
 
 bool slides(const Robot& robot)
 {
-  return std::any_of(robot.links.begin(), robot.links.end(), [](const Link& link) { return link.type().slides(); });
+  return std::ranges::any_of(robot.links, [](const Link& link) { return link.type().slides(); });
 }
 
 std::vector<std::string> columns(const Robot& robot)
@@ -133,14 +133,10 @@ Subcommand add_wrenches(CLI::App& torquectl)
       "Each link but the root has x_, z_: where the joint to its parent is, of a rolling joint where the circles touch "
       "(m, world); fx_, fz_, m_: force and moment of the parent on the link there (N, N m; fy_: sideways, where "
       "something slides). tau_: the torques that the motion needs, a second way. residual_: what is missing in the "
-      "whole "
-      "robot's equations. The exit code is 65 if no sample was answered.\n\n"
+      "whole robot's equations. The exit code is 65 if no sample was answered.\n\n"
       "Example, in the source directory:\n"
       "  torquectl wrenches client/trajectories/subject01-walk/walk.csv --robot human-subject01 -o /tmp/wrenches.csv");
-  return {app, [options]
-          {
-            return wrenches(*options);
-          }};
+  return {app, options, wrenches};
 }
 
 } // namespace torqued

@@ -64,6 +64,12 @@ std::string unit_in_cell(const std::string& cell)
   return split.unit && split.name.empty() ? *split.unit : std::string(trimmed(cell));
 }
 
+std::size_t count_numbers(const CsvLine& line)
+{
+  return static_cast<std::size_t>(
+      std::ranges::count_if(line.cells, [](const std::string& cell) { return is_number(cell, '.'); }));
+}
+
 constexpr std::size_t kMostListed = 8;
 
 // Finds the known columns among the cells of a header, and their units.
@@ -99,21 +105,18 @@ private:
   void find_header()
   {
     if (!reader_.next(header_))
-      throw Failure(ExitCode::bad_data,
-                    fmt::format("{}: found no line that names columns; expected one such as time,q0,...", file_));
+      throw Failure(ExitCode::bad_data, "{}: found no line that names columns; expected one such as time,q0,...",
+                    file_);
     const std::vector<std::string>& cells = header_.cells;
-    const auto numbers = static_cast<std::size_t>(
-        std::count_if(cells.begin(), cells.end(), [](const std::string& cell) { return is_number(cell, '.'); }));
+    const std::size_t numbers = count_numbers(header_);
     // a row has words, too, such as L and sole
-    if (2 * numbers <= cells.size() || std::any_of(cells.begin(), cells.end(), names_time))
+    if (2 * numbers <= cells.size() || std::ranges::any_of(cells, names_time))
       return;
     std::optional<CsvLine> comment = reader_.comment();
-    if (!comment || comment->cells.size() != cells.size() ||
-        std::none_of(comment->cells.begin(), comment->cells.end(), names_time))
+    if (!comment || comment->cells.size() != cells.size() || std::ranges::none_of(comment->cells, names_time))
       throw Failure(ExitCode::bad_data,
-                    fmt::format("{}:{}: no header: the first line holds {}; expected the names of the columns, such as "
-                                "time,q0,...",
-                                file_, header_.number, numbers == cells.size() ? "only numbers" : "a row of numbers"));
+                    "{}:{}: no header: the first line holds {}; expected the names of the columns, such as time,q0,...",
+                    file_, header_.number, numbers == cells.size() ? "only numbers" : "a row of numbers");
     header_ = std::move(*comment);
     reader_.again();
     found_.assumptions.push_back(
@@ -169,16 +172,7 @@ private:
     CsvLine row;
     if (!reader_.next(row))
       return;
-    const auto is_numeric = [](const std::string& cell)
-    {
-      return is_number(cell, '.');
-    };
-    const auto says_unit = [](const std::string& cell)
-    {
-      return is_unit(unit_in_cell(cell));
-    };
-    if (std::any_of(row.cells.begin(), row.cells.end(), is_numeric) ||
-        std::none_of(row.cells.begin(), row.cells.end(), says_unit))
+    if (count_numbers(row) > 0 || std::ranges::none_of(row.cells, is_unit, unit_in_cell))
     {
       reader_.again();
       return;
@@ -234,9 +228,9 @@ private:
       return;
     if (!opensim->degrees)
       throw Failure(ExitCode::bad_data,
-                    fmt::format("{}:{}: found an OpenSim header that does not say the unit of angles; expected "
-                                "inDegrees=yes or inDegrees=no above endheader",
-                                file_, header_.number));
+                    "{}:{}: found an OpenSim header that does not say the unit of angles; expected inDegrees=yes or "
+                    "inDegrees=no above endheader",
+                    file_, header_.number);
     if (*opensim->degrees)
       found_.assumptions.push_back(
           fmt::format("its OpenSim header says inDegrees=yes; converted to rad: {}", listed(angles, kMostListed)));
@@ -262,8 +256,8 @@ ColumnNames read_column_names(CsvReader& reader, const std::string& file, const 
 void fail_in_column(const std::string& file, std::size_t line, std::string_view column, std::string_view found,
                     std::string_view expected)
 {
-  throw Failure(ExitCode::bad_data, fmt::format("{}:{}: column {}: found {}; expected {}", file, line,
-                                                printable(std::string(column)), found, expected));
+  throw Failure(ExitCode::bad_data, "{}:{}: column {}: found {}; expected {}", file, line,
+                printable(std::string(column)), found, expected);
 }
 
 } // namespace torqued

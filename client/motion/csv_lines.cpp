@@ -3,8 +3,8 @@
 #include "motion/failure.h"
 
 #include <algorithm>
+#include <csv.h>
 #include <fmt/format.h>
-#include <new>
 
 namespace torqued
 {
@@ -12,15 +12,6 @@ namespace torqued
 CsvReader::CsvReader(std::string_view bytes, const std::string& file)
     : text_(bytes, file), file_(file), lines_(text_.lines()), before_(lines_)
 {
-  if (csv_init(&parser_, CSV_STRICT | CSV_STRICT_FINI) != 0)
-    throw std::bad_alloc();
-  csv_set_delim(&parser_,
-                static_cast<unsigned char>(text_.separator() == TableText::kBlanks ? '\t' : text_.separator()));
-}
-
-CsvReader::~CsvReader()
-{
-  csv_free(&parser_);
 }
 
 bool CsvReader::next(CsvLine& line)
@@ -47,37 +38,19 @@ bool CsvReader::next(CsvLine& line)
   return false;
 }
 
-void CsvReader::split(std::string_view text, CsvLine& line)
+void CsvReader::split(std::string_view text, CsvLine& line) const
 {
-  if (text_.separator() == TableText::kBlanks)
-  {
-    tabbed_.clear();
-    bool quoted = false;
-    const std::size_t first = std::min(text.find_first_not_of(" \t"), text.size());
-    for (const char c : text.substr(first, text.find_last_not_of(" \t") + 1 - first))
-    {
-      quoted ^= c == '"';
-      const bool blank = !quoted && (c == ' ' || c == '\t');
-      if (!blank || tabbed_.back() != '\t')
-        tabbed_ += blank ? '\t' : c;
-    }
-    text = tabbed_;
-  }
-  line.cells.clear();
-  const auto add_cell = [](void* cell, std::size_t size, void* cells)
-  {
-    static_cast<std::vector<std::string>*>(cells)->emplace_back(static_cast<const char*>(cell), size);
-  };
-  const bool read = csv_parse(&parser_, text.data(), text.size(), add_cell, nullptr, &line.cells) == text.size();
-  if (!read || csv_fini(&parser_, add_cell, nullptr, &line.cells) != 0)
+  bool whole = false;
+  line.cells = split_cells(text, text_.separator(), &whole);
+  if (!whole)
     throw Failure(ExitCode::bad_data,
-                  fmt::format("{}:{}: column {}: found a quote out of place; expected a cell without quotes, or one in "
-                              "quotes with \"\" for a quote inside",
-                              file_, line.number, line.cells.size() + 1));
+                  "{}:{}: column {}: found a quote out of place; expected a cell without quotes, or one in quotes with "
+                  "\"\" for a quote inside",
+                  file_, line.number, line.cells.size() + 1);
   if (text_.decimal_comma())
     for (std::string& cell : line.cells)
       if (is_number(cell, ','))
-        std::replace(cell.begin(), cell.end(), ',', '.');
+        std::ranges::replace(cell, ',', '.');
 }
 
 std::optional<CsvLine> CsvReader::comment()
@@ -87,11 +60,7 @@ std::optional<CsvLine> CsvReader::comment()
     return std::nullopt;
   if (is_foreign_comment(comment_))
     --foreign_comments_;
-  CsvLine line;
-  line.number = comment_number_;
-  for (const std::string_view cell : split_cells(comment_.substr(first), text_.separator()))
-    line.cells.emplace_back(cell);
-  return line;
+  return CsvLine{comment_number_, split_cells(comment_.substr(first), text_.separator())};
 }
 
 std::vector<std::string> CsvReader::assumptions() const

@@ -4,7 +4,6 @@
 #include "motion/table_text.h"
 
 #include <cstddef>
-#include <csv.h>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -30,9 +29,6 @@ class CsvReader
 public:
   /// bytes: of the whole file; they must outlive the reader. file: the name used in complaints. Throws as TableText.
   CsvReader(std::string_view bytes, const std::string& file);
-  ~CsvReader();
-  CsvReader(const CsvReader&) = delete;
-  CsvReader& operator=(const CsvReader&) = delete;
 
   /// Reads the next line; false at the end. Throws Failure, bad_data, for a quote that is not closed or not alone.
   bool next(CsvLine& line);
@@ -47,7 +43,7 @@ public:
   std::vector<std::string> assumptions() const;
 
 private:
-  void split(std::string_view text, CsvLine& line);
+  void split(std::string_view text, CsvLine& line) const;
 
   TableText text_;
   std::string file_;
@@ -55,8 +51,6 @@ private:
   std::string_view comment_;
   std::size_t comment_number_ = 0, foreign_comments_ = 0;
   bool begun_ = false;
-  csv_parser parser_;
-  std::string tabbed_; // a line with a tab for the blanks between two cells
 };
 
 /// A cell as it is written: in quotes if it holds anything that a reader could take for more than text.

@@ -56,8 +56,8 @@ public:
       read_row();
     if (trajectory_.states.empty())
       throw Failure(ExitCode::bad_data,
-                    fmt::format("{}: found no row below the names of the columns; expected one per desired state",
-                                trajectory_.file));
+                    "{}: found no row below the names of the columns; expected one per desired state",
+                    trajectory_.file);
     collect_assumptions();
     if (columns_.time)
       trajectory_.seconds = seconds_;
@@ -184,33 +184,26 @@ private:
   {
     const std::vector<std::string>& cells = line_.cells;
     const std::vector<std::string>& names = columns_.names;
-    const auto is_empty = [](const std::string& text)
-    {
-      return text.empty();
-    };
     const std::size_t both = std::min(cells.size(), names.size());
     const auto extra = cells.begin() + static_cast<std::ptrdiff_t>(both);
     const auto missing = names.begin() + static_cast<std::ptrdiff_t>(both);
-    if (std::all_of(extra, cells.end(), is_empty) && std::all_of(missing, names.end(), is_empty))
+    if (std::all_of(extra, cells.end(), std::empty<std::string>) &&
+        std::all_of(missing, names.end(), std::empty<std::string>))
       return;
 
     const char separator = reader_.text().separator();
     for (const std::string& cell : cells)
       if (const std::optional<char> other = other_separator(cell, separator))
         throw Failure(ExitCode::bad_data,
-                      fmt::format("{}:{}: found {} in a row; expected {} between cells, as in the names of the columns",
-                                  trajectory_.file, line_.number, name_of_separator(*other),
-                                  name_of_separator(separator)));
-    const auto has_point = [](const std::string& text)
-    {
-      return text.find('.') != std::string::npos;
-    };
-    if (separator == ',' && cells.size() > names.size() + 1 && std::none_of(cells.begin(), cells.end(), has_point))
-      throw Failure(ExitCode::bad_data,
-                    fmt::format("{}:{}: found {} cells without a decimal point below {} names; expected as many cells "
-                                "as names: decimal commas cannot be told from the commas between cells, which must be "
-                                "semicolons or tabs then",
-                                trajectory_.file, line_.number, cells.size(), names.size()));
+                      "{}:{}: found {} in a row; expected {} between cells, as in the names of the columns",
+                      trajectory_.file, line_.number, name_of_separator(*other), name_of_separator(separator));
+    if (separator == ',' && cells.size() > names.size() + 1 &&
+        std::ranges::none_of(cells, [](const std::string& text) { return text.find('.') != std::string::npos; }))
+      throw Failure(
+          ExitCode::bad_data,
+          "{}:{}: found {} cells without a decimal point below {} names; expected as many cells as names: decimal "
+          "commas cannot be told from the commas between cells, which must be semicolons or tabs then",
+          trajectory_.file, line_.number, cells.size(), names.size());
     if (cells.size() < names.size())
       fail(names[cells.size()], fmt::format("nothing, the row ends after {} cells", cells.size()),
            fmt::format("{} cells", names.size()));
@@ -368,22 +361,19 @@ private:
   // guess.
   void note_ends_in_double_support(const std::vector<Contacts>& contacts)
   {
-    const auto on_both = [](const Contacts& pair)
-    {
-      return pair[0] != Contact::none && pair[1] != Contact::none;
-    };
-    const bool begins = on_both(contacts.front()), ends = on_both(contacts.back());
+    const bool begins = std::ranges::count(contacts.front(), Contact::none) == 0;
+    const bool ends = std::ranges::count(contacts.back(), Contact::none) == 0;
     if (begins || ends)
-      trajectory_.assumptions.push_back(fmt::format(
-          "the motion {} on both feet, and no column load_transfer says how the load is shared then: it is handed over "
-          "in the whole time of that double support, so that the {} row{} on one foot alone",
-          begins && ends ? "begins and ends"
-          : begins       ? "begins"
-                         : "ends",
-          begins && ends ? "first and the last"
-          : begins       ? "first"
-                         : "last",
-          begins && ends ? "s stand" : " stands"));
+      trajectory_.assumptions.push_back(
+          fmt::format("the motion {} on both feet, and no column load_transfer says how the load is shared then: it is "
+                      "handed over in the whole time of that double support, so that the {} row{} on one foot alone",
+                      begins && ends ? "begins and ends"
+                      : begins       ? "begins"
+                                     : "ends",
+                      begins && ends ? "first and the last"
+                      : begins       ? "first"
+                                     : "last",
+                      begins && ends ? "s stand" : " stands"));
   }
 
   // says what a robot that stands throughout is given because the columns do not say

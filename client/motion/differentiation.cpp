@@ -40,8 +40,8 @@ public:
   Differentiated run()
   {
     if (written_.times.size() < static_cast<std::size_t>(kFewestSplineSamples))
-      throw Failure(ExitCode::bad_data, fmt::format("{}: found {} rows; expected at least {} for --differentiate",
-                                                    file_, written_.times.size(), kFewestSplineSamples));
+      throw Failure(ExitCode::bad_data, "{}: found {} rows; expected at least {} for --differentiate", file_,
+                    written_.times.size(), kFewestSplineSamples);
     const bool degrees = doubt_units(written_).degrees;
     if (!degrees)
       unwrap_angles();
@@ -75,10 +75,10 @@ private:
     for (const CoordinateStep& step : unwrap(written_.times, positions_, written_.is_angle))
       turns[step.column].push_back(step);
     for (const auto& [column, steps] : turns)
-      notes_.push_back(fmt::format("column {}: a whole turn was taken off {} step{} of the angle, the first in line {} "
-                                   "({:.4g} rad)",
-                                   printable(name(column)), steps.size(), steps.size() == 1 ? "" : "s",
-                                   line(static_cast<std::size_t>(steps.front().row)), steps.front().size));
+      notes_.push_back(
+          fmt::format("column {}: a whole turn was taken off {} step{} of the angle, the first in line {} ({:.4g} rad)",
+                      printable(name(column)), steps.size(), steps.size() == 1 ? "" : "s",
+                      line(static_cast<std::size_t>(steps.front().row)), steps.front().size));
   }
 
   void check_jumps(Eigen::Index column, const Rows& rows) const
@@ -95,18 +95,16 @@ private:
   void check_ends() const
   {
     const std::vector<bool>& frozen = samples_.is_frozen;
-    const std::size_t at_start =
-        static_cast<std::size_t>(std::find(frozen.begin(), frozen.end(), false) - frozen.begin());
+    const std::size_t at_start = static_cast<std::size_t>(std::ranges::find(frozen, false) - frozen.begin());
     const std::size_t at_end =
         static_cast<std::size_t>(std::find(frozen.rbegin(), frozen.rend(), false) - frozen.rbegin());
-    const bool repeats = at_end == 1 && std::count(frozen.begin(), frozen.end(), true) > 2;
+    const bool repeats = at_end == 1 && std::ranges::count(frozen, true) > 2;
     const auto fail = [&](std::size_t row, std::size_t count, std::string_view where)
     {
-      throw Failure(
-          ExitCode::bad_data,
-          fmt::format("{}:{}: found {} frozen frame{} at the motion's {}, while it moves on; expected a motion "
-                      "without: leave {} out",
-                      file_, line(row), count, count == 1 ? "" : "s", where, count == 1 ? "this row" : "these rows"));
+      throw Failure(ExitCode::bad_data,
+                    "{}:{}: found {} frozen frame{} at the motion's {}, while it moves on; expected a motion without: "
+                    "leave {} out",
+                    file_, line(row), count, count == 1 ? "" : "s", where, count == 1 ? "this row" : "these rows");
     };
     if (at_start > 0)
       fail(0, at_start, "beginning");
@@ -117,21 +115,17 @@ private:
   void check_lowpass() const
   {
     if (!samples_.frames)
-      throw Failure(
-          ExitCode::bad_data,
-          fmt::format("{}: found times that are no frames of one rate, {:.4g} s apart in the median; expected "
-                      "a frame rate for --lowpass",
-                      file_, samples_.step));
-    if (std::count(samples_.frames->number.begin(), samples_.frames->number.end(), FrameRate::kNone) +
-            kFewestSplineSamples >
-        static_cast<std::ptrdiff_t>(samples_.times.size()))
       throw Failure(ExitCode::bad_data,
-                    fmt::format("{}: found fewer than {} frames for --lowpass", file_, kFewestSplineSamples));
+                    "{}: found times that are no frames of one rate, {:.4g} s apart in the median; expected a frame "
+                    "rate for --lowpass",
+                    file_, samples_.step);
+    if (std::ranges::count(samples_.frames->number, FrameRate::kNone) + kFewestSplineSamples >
+        static_cast<std::ptrdiff_t>(samples_.times.size()))
+      throw Failure(ExitCode::bad_data, "{}: found fewer than {} frames for --lowpass", file_, kFewestSplineSamples);
     if (2.0 * *how_.lowpass >= samples_.frames->rate)
       throw Failure(ExitCode::bad_data,
-                    fmt::format("{}: found --lowpass {:g} Hz for frames at {:.6g} Hz; expected less "
-                                "than half of their rate",
-                                file_, *how_.lowpass, samples_.frames->rate));
+                    "{}: found --lowpass {:g} Hz for frames at {:.6g} Hz; expected less than half of their rate", file_,
+                    *how_.lowpass, samples_.frames->rate);
   }
 
   // the rows that are samples of a coordinate
@@ -241,7 +235,7 @@ private:
       return Eigen::VectorXd::LinSpaced(static_cast<Eigen::Index>(samples_.times.size()), samples_.times.front(),
                                         samples_.times.back());
     const FrameRate& frames = *samples_.frames;
-    const std::int64_t last = *std::max_element(frames.number.begin(), frames.number.end());
+    const std::int64_t last = *std::ranges::max_element(frames.number);
     return Eigen::VectorXd::LinSpaced(last + 1, frames.start, frames.time(last));
   }
 
@@ -262,10 +256,9 @@ private:
     Eigen::MatrixXd all = motion.position(rows, Eigen::all);
     if (all.rows() < frame_times.size())
       all = spline(instants(rows), all, frame_times).position;
-    notes_.push_back(
-        fmt::format("low-passed at {:g} Hz: Butterworth of second order, forward and backward; the cut-off is "
-                    "that of one pass",
-                    *how_.lowpass));
+    notes_.push_back(fmt::format(
+        "low-passed at {:g} Hz: Butterworth of second order, forward and backward; the cut-off is that of one pass",
+        *how_.lowpass));
     return spline(frame_times, lowpass(all, samples_.frames->rate, *how_.lowpass), instants);
   }
 
@@ -306,11 +299,10 @@ private:
       Eigen::Index column = 0;
       const double ratio = (largest.array() / inside.array().max(kNotableAcceleration)).maxCoeff(&column);
       if (ratio > notable)
-        notes_.push_back(
-            fmt::format("accelerations at the motion's {} reach {:.3g} {} in column {}, and {:.3g} elsewhere: "
-                        "its {} samples do not go on like the others",
-                        first ? "beginning" : "end", largest(column), is_angle(column) ? "rad/s²" : "m/s²",
-                        printable(name(column)), inside(column), first ? "first" : "last"));
+        notes_.push_back(fmt::format("accelerations at the motion's {} reach {:.3g} {} in column {}, and {:.3g} "
+                                     "elsewhere: its {} samples do not go on like the others",
+                                     first ? "beginning" : "end", largest(column), is_angle(column) ? "rad/s²" : "m/s²",
+                                     printable(name(column)), inside(column), first ? "first" : "last"));
     }
   }
 

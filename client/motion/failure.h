@@ -1,8 +1,10 @@
 /// How a subcommand ends when it cannot do what was asked.
 #pragma once
 
+#include <fmt/format.h>
 #include <stdexcept>
 #include <string>
+#include <utility>
 
 namespace torqued
 {
@@ -23,6 +25,12 @@ class Failure : public std::runtime_error
 {
 public:
   Failure(ExitCode code, const std::string& message) : std::runtime_error(message), code_(code) {}
+  /// Its message as fmt::format() makes it.
+  template <typename... Args>
+  Failure(ExitCode code, fmt::format_string<Args...> format, Args&&... args)
+      : Failure(code, fmt::format(format, std::forward<Args>(args)...))
+  {
+  }
   ExitCode code() const { return code_; }
 
 private:

@@ -35,8 +35,8 @@ std::string unpack_gzip(std::string_view bytes, const std::string& file)
   const std::unique_ptr<z_stream, int (*)(z_stream*)> end(&stream, inflateEnd);
   const auto fail = [&](std::string_view what, std::size_t unpacked)
   {
-    throw Failure(ExitCode::bad_data,
-                  fmt::format("{}: {}, after {} bytes unpacked; expected a whole gzip file", file, what, unpacked));
+    throw Failure(ExitCode::bad_data, "{}: {}, after {} bytes unpacked; expected a whole gzip file", file, what,
+                  unpacked);
   };
 
   std::string unpacked;
@@ -78,9 +78,9 @@ InputFile::InputFile(const std::string& path)
   {
     const auto size = static_cast<std::size_t>(status.st_size);
     if (void* at = mmap(nullptr, size, PROT_READ, MAP_PRIVATE, fileno(file), 0); at != MAP_FAILED)
-      mapped_ = {static_cast<const char*>(at), size};
+      mapping_ = std::unique_ptr<void, Unmap>(at, Unmap{size});
   }
-  while (good && mapped_.empty())
+  while (good && !mapping_)
   {
     constexpr std::size_t step = 1 << 20;
     const std::size_t size = read_.size();
@@ -95,32 +95,21 @@ InputFile::InputFile(const std::string& path)
   if (file)
     std::fclose(file);
   if (!good)
-    throw Failure(ExitCode::bad_data,
-                  fmt::format("{}: cannot be read: {}", path, std::generic_category().message(error)));
+    throw Failure(ExitCode::bad_data, "{}: cannot be read: {}", path, std::generic_category().message(error));
   if (!is_gzip(bytes()))
     return;
-  try
-  {
-    read_ = unpack_gzip(bytes(), path);
-    unmap();
-  }
-  catch (...)
-  {
-    unmap();
-    throw;
-  }
+  read_ = unpack_gzip(bytes(), path);
+  mapping_.reset();
 }
 
-InputFile::~InputFile()
+void InputFile::Unmap::operator()(void* at) const
 {
-  unmap();
+  munmap(at, size);
 }
 
-void InputFile::unmap()
+std::string_view InputFile::bytes() const
 {
-  if (!mapped_.empty())
-    munmap(const_cast<char*>(mapped_.data()), mapped_.size());
-  mapped_ = {};
+  return mapping_ ? std::string_view(static_cast<const char*>(mapping_.get()), mapping_.get_deleter().size) : read_;
 }
 
 std::string read_file(const std::string& path)
@@ -162,15 +151,14 @@ void OutputFile::close()
 
 void OutputFile::fail() const
 {
-  throw Failure(ExitCode::failed,
-                fmt::format("{}: cannot be written: {}", path_, std::generic_category().message(errno)));
+  throw Failure(ExitCode::failed, "{}: cannot be written: {}", path_, std::generic_category().message(errno));
 }
 
 void require_other_file(const std::string& input, const std::string& output)
 {
   std::error_code neither_exists;
   if (std::filesystem::equivalent(input, output, neither_exists))
-    throw Failure(ExitCode::usage, fmt::format("{} would be written over {}, which is read", output, input));
+    throw Failure(ExitCode::usage, "{} would be written over {}, which is read", output, input);
 }
 
 } // namespace torqued

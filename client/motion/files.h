@@ -1,7 +1,9 @@
 /// Files that torquectl reads and writes, of any size.
 #pragma once
 
+#include <cstddef>
 #include <cstdio>
+#include <memory>
 #include <string>
 #include <string_view>
 
@@ -15,17 +17,17 @@ class InputFile
 public:
   /// Throws Failure, bad_data, if it cannot be read or unpacked.
   explicit InputFile(const std::string& path);
-  ~InputFile();
-  InputFile(const InputFile&) = delete;
-  InputFile& operator=(const InputFile&) = delete;
 
   /// They live as long as this.
-  std::string_view bytes() const { return mapped_.empty() ? read_ : mapped_; }
+  std::string_view bytes() const;
 
 private:
-  void unmap();
-
-  std::string_view mapped_;
+  struct Unmap
+  {
+    std::size_t size;
+    void operator()(void* at) const;
+  };
+  std::unique_ptr<void, Unmap> mapping_;
   std::string read_;
 };
 

@@ -104,8 +104,8 @@ bool is_toml(std::string_view head)
     if (line.front() == '[')
       key = trimmed(line, "[]");
     return key.size() < line.size() && !key.empty() && lower_case(key) != "sep" &&
-           std::all_of(key.begin(), key.end(),
-                       [](unsigned char c) { return std::isalnum(c) || c == '_' || c == '-' || c == '.'; });
+           std::ranges::all_of(key,
+                               [](unsigned char c) { return std::isalnum(c) || c == '_' || c == '-' || c == '.'; });
   }
   return false;
 }

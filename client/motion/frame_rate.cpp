@@ -114,16 +114,13 @@ double limit_of_feasibility(const Line& frames, double feasible, double infeasib
 // The roundest rate between two, and among equally round ones the nearest to a third.
 std::optional<double> nominal_rate(double low, double high, double nearest)
 {
-  const auto choose = [&](double unit) -> std::optional<double>
-  {
-    const double rate = unit * std::clamp(std::round(nearest / unit), std::ceil(low / unit), std::floor(high / unit));
-    return rate > 0.0 && low <= rate && rate <= high ? std::optional(rate) : std::nullopt;
-  };
   const double margin = 1e-12 * nearest;
   low -= margin;
   high += margin;
   for (const double unit : {100.0, 50.0, 20.0, 10.0, 5.0, 1.0, 1000.0 / 1001.0})
-    if (const auto rate = choose(unit))
+    if (const double rate =
+            unit * std::clamp(std::round(nearest / unit), std::ceil(low / unit), std::floor(high / unit));
+        rate > 0.0 && low <= rate && rate <= high)
       return rate;
   return {};
 }
@@ -134,7 +131,7 @@ double most_common_step(const std::vector<double>& times, double width)
   std::vector<double> steps(times.size());
   std::adjacent_difference(times.begin(), times.end(), steps.begin());
   steps.erase(steps.begin());
-  std::sort(steps.begin(), steps.end());
+  std::ranges::sort(steps);
   std::size_t first = 0, most = 0, best = 0;
   for (std::size_t last = 0; last < steps.size(); ++last)
   {
@@ -169,7 +166,7 @@ Line follow(const std::vector<double>& times, const std::vector<double>& errors,
   for (std::size_t row = anchor; row-- > 0;)
     if (const auto number = near(row, frames.back().row); number && *number > 0)
       frames.push_back({row, times[row], errors[row], frames.back().number - *number});
-  std::reverse(frames.begin(), frames.end());
+  std::ranges::reverse(frames);
   for (std::size_t row = anchor + 1; row < times.size(); ++row)
     if (const auto number = near(frames.back().row, row); number && *number > 0)
       frames.push_back({row, times[row], errors[row], frames.back().number + *number});
@@ -209,18 +206,15 @@ std::optional<double> feasible_step(Line& frames)
   for (int round = 0; round < rounds && frames.size() > 2; ++round)
   {
     const Fit fit = least_squares(frames);
-    const double largest_error =
-        std::max_element(frames.begin(), frames.end(), [](auto& a, auto& b) { return a.error < b.error; })->error;
+    const double largest_error = std::ranges::max_element(frames, {}, &Frame::error)->error;
     const double radius = 4.0 * largest_error / static_cast<double>(frames.back().number - frames.front().number);
     const double step = most_feasible_step(frames, fit.step, radius);
     const Starts starts = feasible_starts(frames, step);
     if (starts.length() >= 0.0)
       return step;
-    const auto is_off = [&](const Frame& frame)
-    {
-      return std::abs(frame.time - fit.start - static_cast<double>(frame.number) * fit.step) > frame.error;
-    };
-    frames.erase(std::remove_if(frames.begin(), frames.end(), is_off), frames.end());
+    std::erase_if(
+        frames, [&](const Frame& frame)
+        { return std::abs(frame.time - fit.start - static_cast<double>(frame.number) * fit.step) > frame.error; });
   }
   return {};
 }
@@ -248,7 +242,7 @@ bool is_convincing(const Line& frames, std::size_t rows)
 
 std::vector<double> rounding_errors(const std::vector<double>& numbers)
 {
-  const bool floats = std::all_of(numbers.begin(), numbers.end(), is_float);
+  const bool floats = std::ranges::all_of(numbers, is_float);
   double largest = 0.0;
   for (const double number : numbers)
     largest = std::max(largest, std::abs(number));
@@ -285,7 +279,7 @@ std::optional<FrameRate> find_frame_rate(const std::vector<double>& times, const
   std::vector<double> since_first;
   for (const double time : times)
     since_first.push_back(time - times.front());
-  const double largest_error = *std::max_element(errors.begin(), errors.end());
+  const double largest_error = *std::ranges::max_element(errors);
   const double common = most_common_step(since_first, 4.0 * largest_error);
   Line frames = follow(since_first, errors, common);
   if (!is_convincing(frames, times.size()))

@@ -25,11 +25,9 @@ double smallest_change(const Eigen::VectorXd& numbers)
 {
   const Eigen::VectorXd changes = (numbers.tail(numbers.size() - 1) - numbers.head(numbers.size() - 1)).cwiseAbs();
   const double smallest = (changes.array() > 0.0).select(changes, INFINITY).minCoeff();
-  const auto is_multiple = [&](double change)
-  {
-    return std::abs(std::remainder(change, smallest)) < 0.01 * smallest;
-  };
-  return std::isfinite(smallest) && std::all_of(changes.begin(), changes.end(), is_multiple) ? smallest : 0.0;
+  const bool are_multiples = std::ranges::all_of(
+      changes, [&](double change) { return std::abs(std::remainder(change, smallest)) < 0.01 * smallest; });
+  return std::isfinite(smallest) && are_multiples ? smallest : 0.0;
 }
 
 // of each coordinate, the unit of its last digit
@@ -39,7 +37,7 @@ Eigen::RowVectorXd resolution(const Eigen::MatrixXd& motion)
   for (Eigen::Index j = 0; j < motion.cols(); ++j)
   {
     const std::vector<double> errors = rounding_errors({motion.col(j).begin(), motion.col(j).end()});
-    units(j) = std::max(2.0 * *std::max_element(errors.begin(), errors.end()), smallest_change(motion.col(j)));
+    units(j) = std::max(2.0 * *std::ranges::max_element(errors), smallest_change(motion.col(j)));
   }
   return units;
 }

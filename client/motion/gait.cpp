@@ -32,20 +32,18 @@ void require_between(double value, double least, double most, const char* option
                      double shown_unit = 1.0)
 {
   if (!(value >= least && value <= most))
-    throw Failure(ExitCode::usage,
-                  fmt::format("--{}: found {:.4g}; expected {:.4g} to {:.4g}{}{}", option, value / shown_unit,
-                              least / shown_unit, most / shown_unit, *unit_name ? " " : "", unit_name));
+    throw Failure(ExitCode::usage, "--{}: found {:.4g}; expected {:.4g} to {:.4g}{}{}", option, value / shown_unit,
+                  least / shown_unit, most / shown_unit, *unit_name ? " " : "", unit_name);
 }
 
 void require_suited(const Robot& robot)
 {
   const auto unsuited = [&](const std::string& why)
   {
-    return Failure(
-        ExitCode::bad_configuration,
-        fmt::format("{} cannot walk like this: {}; expected a floating trunk and two legs of thigh, shin and "
-                    "foot, each with a joint that turns, and soles with extent, as in ck or rk",
-                    robot.name, why));
+    return Failure(ExitCode::bad_configuration,
+                   "{} cannot walk like this: {}; expected a floating trunk and two legs of thigh, shin and foot, each "
+                   "with a joint that turns, and soles with extent, as in ck or rk",
+                   robot.name, why);
   };
   if (robot.fixed_root())
     throw unsuited("its root is fixed to the world");

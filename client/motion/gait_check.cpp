@@ -67,10 +67,9 @@ GaitReport Gait::survey() const
         }
     }
   if (lowest < -1e-9 * robot_.leg_length)
-    throw Failure(
-        ExitCode::usage,
-        fmt::format("at {:.3f} s the swinging foot would be {:.3g} m below the ground; more --clearance would do",
-                    lowest_at, -lowest));
+    throw Failure(ExitCode::usage,
+                  "at {:.3f} s the swinging foot would be {:.3g} m below the ground; more --clearance would do",
+                  lowest_at, -lowest);
   return report;
 }
 
@@ -96,8 +95,8 @@ std::string Gait::obstacle() const
         return fmt::format("{} the ground would have to pull a foot; a longer --step-time would do", when);
       if ((found.flags & flag::tips) != 0)
         return fmt::format(
-            "{} a foot would tip: the zero-moment point is at {:.3f} m, {:.3f} m from where it was meant "
-            "to be; a longer --step-time, more --double-support or a shorter --step-length would do",
+            "{} a foot would tip: the zero-moment point is at {:.3f} m, {:.3f} m from where it was meant to be; a "
+            "longer --step-time, more --double-support or a shorter --step-length would do",
             when, found.zmp, std::abs(found.zmp - wished_zmp(robot_, options_, t, *phase)));
       if ((found.flags & flag::slips) != 0)
         return fmt::format("{} a foot would slip: it needs a friction coefficient of {:.2f}, and has {:.2f}; a longer "
@@ -107,9 +106,9 @@ std::string Gait::obstacle() const
       for (int j = 0; j < robot_.num_joints() && (found.flags & flag::over_torque) != 0; ++j)
         if (const Actuator& motor = robot_.actuators[static_cast<std::size_t>(j)];
             std::abs(found.torque(j)) > motor.torque_limit)
-          return fmt::format("{} {} would need {:.4g} N m, and has {:.4g}; a higher --hip-height or a longer "
-                             "--step-time would do",
-                             when, motor.name, std::abs(found.torque(j)), motor.torque_limit);
+          return fmt::format(
+              "{} {} would need {:.4g} N m, and has {:.4g}; a higher --hip-height or a longer --step-time would do",
+              when, motor.name, std::abs(found.torque(j)), motor.torque_limit);
     }
   return "";
 }

@@ -107,8 +107,7 @@ double Gait::zmp(double t, const GaitPhase& phase) const
 
 const GaitPhase& Gait::phase_at(double t) const
 {
-  return *std::upper_bound(phases_.begin(), phases_.end(), t,
-                           [](double time, const GaitPhase& phase) { return time < phase.end; });
+  return *std::ranges::upper_bound(phases_, t, {}, &GaitPhase::end);
 }
 
 void Gait::find_periodic_hip_motion()

@@ -44,9 +44,9 @@ void reach(const Robot& robot, Side side, const Eigen::Vector2d& p, double t, De
   const double longest = bent_by(straight).norm(), shortest = bent_by(bent).norm();
   const auto out_of_reach = [&](const char* what)
   {
-    return fmt::format("at {:.3f} s the {} ankle is {:.4g} m from the hip, and the leg can be {:.4g} to {:.4g} m long; "
-                       "{} would do",
-                       t, name_of(side), target.norm(), shortest, longest, what);
+    return fmt::format(
+        "at {:.3f} s the {} ankle is {:.4g} m from the hip, and the leg can be {:.4g} to {:.4g} m long; {} would do", t,
+        name_of(side), target.norm(), shortest, longest, what);
   };
   if (!(target.norm() < longest))
     throw LegTooShort(ExitCode::usage, out_of_reach("a lower --hip-height or a shorter --step-length"));

@@ -46,7 +46,7 @@ std::optional<std::size_t> first_record(std::string_view bytes)
   for (std::size_t at = 0; (at = bytes.find(kSyncWord, at)) != std::string_view::npos; ++at)
     if (const auto record = whole_record(bytes.substr(at));
         record && !record->channel.empty() && record->channel.size() <= longest_channel &&
-        std::all_of(record->channel.begin(), record->channel.end(), [](char c) { return c > ' ' && c <= '~'; }))
+        std::ranges::all_of(record->channel, [](char c) { return c > ' ' && c <= '~'; }))
       return at;
   return {};
 }

@@ -1,6 +1,5 @@
 #include "motion/motion_columns.h"
 
-#include "motion/column_names.h"
 #include "motion/failure.h"
 #include "motion/table_text.h"
 #include "text/printable.h"
@@ -60,9 +59,9 @@ class ColumnFinder
 {
 public:
   ColumnFinder(CsvReader& reader, const std::string& file, const CoordinateNames& names, bool differentiate)
-      : reader_(reader), file_(file), names_(names), differentiate_(differentiate),
-        columns_(read_column_names(reader, file, known_columns(names)))
+      : reader_(reader), file_(file), names_(names), differentiate_(differentiate)
   {
+    static_cast<ColumnNames&>(found_) = read_column_names(reader, file, known_columns(names));
   }
 
   MotionColumns find_all()
@@ -71,9 +70,6 @@ public:
     choose_coordinates();
     choose_base();
     find_motion();
-    found_.names = columns_.names;
-    found_.factors = columns_.factors;
-    found_.assumptions = columns_.assumptions;
     return std::move(found_);
   }
 
@@ -82,17 +78,17 @@ private:
 
   [[noreturn]] void fail(std::string_view column, std::string_view found, std::string_view expected) const
   {
-    fail_in_column(file_, columns_.line, column, found, expected);
+    fail_in_column(file_, found_.line, column, found, expected);
   }
   Column find(const std::string& name) const
   {
-    const auto found = columns_.places.find(name);
-    return found == columns_.places.end() ? Column() : found->second;
+    const auto found = found_.places.find(name);
+    return found == found_.places.end() ? Column() : found->second;
   }
   std::vector<std::string> missing(const std::vector<std::string>& names) const
   {
     std::vector<std::string> absent;
-    std::copy_if(names.begin(), names.end(), std::back_inserter(absent), [&](const auto& name) { return !find(name); });
+    std::ranges::copy_if(names, std::back_inserter(absent), [&](const auto& name) { return !find(name); });
     return absent;
   }
   [[noreturn]] void fail_missing(const std::vector<std::string>& absent, std::string_view expected) const
@@ -104,36 +100,29 @@ private:
   void explain_other_tables() const
   {
     const char separator = reader_.text().separator();
-    for (const std::string& name : columns_.names)
+    for (const std::string& name : found_.names)
       if (const std::optional<char> other = other_separator(name, separator))
         throw Failure(ExitCode::bad_data,
-                      fmt::format("{}:{}: found cells between {} and, in \"{}\", {}; expected one separator throughout",
-                                  file_, columns_.line, name_of_separator(separator), printable(name),
-                                  name_of_separator(*other)));
-    const auto is_torque = [](const std::string& name)
-    {
-      return name.starts_with("tau_");
-    };
-    if (std::any_of(columns_.names.begin(), columns_.names.end(), is_torque))
+                      "{}:{}: found cells between {} and, in \"{}\", {}; expected one separator throughout", file_,
+                      found_.line, name_of_separator(separator), printable(name), name_of_separator(*other));
+    if (std::ranges::any_of(found_.names, [](const std::string& name) { return name.starts_with("tau_"); }))
       throw Failure(ExitCode::bad_data,
-                    fmt::format("{}:{}: found answers, as torquectl eval and export write them: torques, but not every "
-                                "position and acceleration; expected a desired motion{}",
-                                file_, columns_.line,
-                                differentiate_ ? "" : ", or --differentiate if all positions are there"));
+                    "{}:{}: found answers, as torquectl eval and export write them: torques, but not every position "
+                    "and acceleration; expected a desired motion{}",
+                    file_, found_.line, differentiate_ ? "" : ", or --differentiate if all positions are there");
     if (reader_.text().opensim() && missing(names_.absolute).size() == names_.absolute.size() &&
         missing(names_.relative).size() == names_.relative.size())
-      throw Failure(
-          ExitCode::bad_data,
-          fmt::format("{}:{}: found an OpenSim file with columns {}, which are none of this robot's; expected "
-                      "time, contactL, contactR and {}",
-                      file_, columns_.line, listed_names(), fmt::join(names_.absolute, ", ")));
+      throw Failure(ExitCode::bad_data,
+                    "{}:{}: found an OpenSim file with columns {}, which are none of this robot's; expected time, "
+                    "contactL, contactR and {}",
+                    file_, found_.line, listed_names(), fmt::join(names_.absolute, ", "));
   }
-  std::string listed_names() const { return listed(columns_.names, 5, 40); }
+  std::string listed_names() const { return listed(found_.names, 5, 40); }
   std::vector<std::size_t> indices(const std::vector<std::string>& names) const
   {
     std::vector<std::size_t> columns;
     for (const std::string& name : names)
-      columns.push_back(columns_.places.at(name));
+      columns.push_back(found_.places.at(name));
     return columns;
   }
 
@@ -149,7 +138,7 @@ private:
     const std::vector<std::string> contacts{"contactL", "contactR"};
     if (const auto absent = missing(contacts); !absent.empty())
       fail_missing(absent, "what carries at each foot: 0 to 3, or none, heel, sole, toe");
-    found_.contacts = {columns_.places.at("contactL"), columns_.places.at("contactR")};
+    found_.contacts = {found_.places.at("contactL"), found_.places.at("contactR")};
     found_.leading = find("leading");
     found_.load_transfer = find("load_transfer");
     found_.phase = find("phase");
@@ -210,7 +199,6 @@ private:
   const std::string& file_;
   const CoordinateNames& names_;
   bool differentiate_;
-  ColumnNames columns_;
   MotionColumns found_;
 };
 

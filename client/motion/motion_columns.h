@@ -1,7 +1,7 @@
 /// Which column of a trajectory CSV is what.
 #pragma once
 
-#include "motion/csv_lines.h"
+#include "motion/column_names.h"
 #include "motion/trajectory.h"
 
 #include <array>
@@ -13,14 +13,12 @@
 namespace torqued
 {
 
-/// Places in a row, from 0.
-struct MotionColumns
+/// What each column is; places in a row, from 0.
+struct MotionColumns : ColumnNames
 {
   using Column = std::optional<std::size_t>;
 
-  std::vector<std::string> names; ///< of all columns
-  std::vector<double> factors;    ///< of all columns: their numbers times this are in s, rad, m
-  Column time, utime;             ///< one of the two, or both
+  Column time, utime; ///< one of the two, or both
   Column leading, load_transfer, phase, method;
   std::array<std::size_t, 2> contacts{}; ///< left, right
   bool relative = false;                 ///< whether the coordinates are the relative ones
@@ -29,7 +27,6 @@ struct MotionColumns
   /// Of positions, velocities and accelerations: each coordinate's column, then the base's x and z if it is given; with
   /// differentiate, only of positions.
   std::array<std::vector<std::size_t>, 3> motion;
-  std::vector<std::string> assumptions; ///< a sentence each
 };
 
 /// Reads them from the names at the beginning of a table. Throws Failure, bad_data, as read_column_names() does, and

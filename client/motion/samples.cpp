@@ -116,14 +116,9 @@ void leave_out_frozen_rows(Samples& samples, const Eigen::MatrixXd& motion, cons
   for (std::size_t row = 0; row < samples.times.size(); ++row)
     if (samples.is_sample[row] && motion.row(static_cast<Eigen::Index>(row)).array().isFinite().all())
       rows.push_back(static_cast<Eigen::Index>(row));
-  const auto count = static_cast<Eigen::Index>(rows.size());
-  Eigen::VectorXd times(count);
-  Eigen::MatrixXd positions(count, motion.cols());
-  for (Eigen::Index i = 0; i < count; ++i)
-  {
-    times(i) = samples.times[static_cast<std::size_t>(rows[static_cast<std::size_t>(i)])];
-    positions.row(i) = motion.row(rows[static_cast<std::size_t>(i)]);
-  }
+  const Eigen::Map<const Eigen::VectorXd> all(samples.times.data(), motion.rows());
+  const Eigen::VectorXd times = all(rows);
+  const Eigen::MatrixXd positions = motion(rows, Eigen::all);
   constexpr std::size_t shown = 3;
   std::vector<std::string> places;
   std::size_t frozen = 0;
@@ -146,11 +141,10 @@ void leave_out_frozen_rows(Samples& samples, const Eigen::MatrixXd& motion, cons
     return;
   const std::size_t more = places.size() > shown ? places.size() - shown : 0;
   places.resize(places.size() - more);
-  samples.notes.push_back(
-      fmt::format("{} frozen frame{}, all coordinates as in the row before while the motion goes on, "
-                  "bridged: line{} {}{}",
-                  frozen, frozen == 1 ? "" : "s", places.size() + frozen > 2 ? "s" : "", fmt::join(places, ", "),
-                  more > 0 ? fmt::format(", and {} more", more) : ""));
+  samples.notes.push_back(fmt::format(
+      "{} frozen frame{}, all coordinates as in the row before while the motion goes on, bridged: line{} {}{}", frozen,
+      frozen == 1 ? "" : "s", places.size() + frozen > 2 ? "s" : "", fmt::join(places, ", "),
+      more > 0 ? fmt::format(", and {} more", more) : ""));
 }
 
 } // namespace

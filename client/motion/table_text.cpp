@@ -8,9 +8,12 @@
 
 #include <algorithm>
 #include <array>
+#include <csv.h>
 #include <cuchar>
 #include <fmt/format.h>
 #include <locale>
+#include <memory>
+#include <new>
 
 namespace torqued
 {
@@ -24,16 +27,16 @@ constexpr std::string_view kSpace = " \t";
 // whether a line splits at a separator into the names of columns, or into numbers only
 bool splits(std::string_view line, char separator)
 {
-  const std::vector<std::string_view> cells = split_cells(line, separator);
+  const std::vector<std::string> cells = split_cells(line, separator);
   const char decimal_sign = separator == ',' ? '.' : ',';
-  if (std::any_of(cells.begin(), cells.end(), names_time))
+  if (std::ranges::any_of(cells, names_time))
     return cells.size() > 1;
   std::size_t numbers = 0;
-  for (const std::string_view cell : cells)
+  for (const std::string& cell : cells)
   {
     if (is_number(cell, '.') || is_number(cell, decimal_sign))
       ++numbers;
-    else if (other_separator(cell, separator) || cell.find(' ') != std::string_view::npos)
+    else if (other_separator(cell, separator) || cell.find(' ') != std::string::npos)
       return false;
   }
   return numbers > 1 && 2 * numbers > cells.size();
@@ -128,8 +131,7 @@ TableText::TableText(std::string_view bytes, const std::string& file) : file_(fi
   read_opensim_header();
   if (!opensim_)
     if (const auto foreign = foreign_file(text_))
-      throw Failure(ExitCode::bad_data,
-                    fmt::format("{}: is {}; expected a table (CSV) or an LCM log", file_, *foreign));
+      throw Failure(ExitCode::bad_data, "{}: is {}; expected a table (CSV) or an LCM log", file_, *foreign);
   refuse_binary();
   find_separator();
   find_decimal_sign();
@@ -150,8 +152,7 @@ void TableText::decode(std::string_view bytes)
   const std::size_t mark = bytes.starts_with("\xff\xfe") || bytes.starts_with("\xfe\xff") ? 2 : 0;
   std::optional<std::string> decoded = utf8(bytes.substr(mark), *order);
   if (bytes.size() % 2 != 0 || !decoded)
-    throw Failure(ExitCode::bad_data,
-                  fmt::format("{}: is UTF-16 text that is cut or damaged; expected whole characters", file_));
+    throw Failure(ExitCode::bad_data, "{}: is UTF-16 text that is cut or damaged; expected whole characters", file_);
   decoded_ = std::move(*decoded);
   text_ = decoded_;
   assumptions_.push_back(fmt::format("is UTF-16 text ({}-endian)", *order == Order::big_endian ? "big" : "little"));
@@ -161,13 +162,12 @@ void TableText::refuse_binary() const
 {
   const std::size_t zero = text_.find('\0');
   const std::string_view head = text_.substr(0, std::min<std::size_t>(zero, 1024));
-  const auto control = std::count_if(
-      head.begin(), head.end(), [](char c) { return (c >= '\0' && c < '\t') || (c > '\r' && c < ' ' && c != '\x1b'); });
+  const auto control = std::ranges::count_if(
+      head, [](char c) { return (c >= '\0' && c < '\t') || (c > '\r' && c < ' ' && c != '\x1b'); });
   if (20 * static_cast<std::size_t>(control) > head.size() ||
       (zero != std::string_view::npos && head.find_first_of("\n\r") == std::string_view::npos))
-    throw Failure(
-        ExitCode::bad_data,
-        fmt::format("{}: is binary, of no kind that is known here; expected a table (CSV) or an LCM log", file_));
+    throw Failure(ExitCode::bad_data,
+                  "{}: is binary, of no kind that is known here; expected a table (CSV) or an LCM log", file_);
   if (zero == std::string_view::npos)
     return;
   LineCutter lines(text_);
@@ -208,7 +208,7 @@ void TableText::find_separator()
   if (line.size() == 5 && lower_case(line).starts_with("sep="))
   {
     separator_ = line.back();
-    if (std::find(kSeparators.begin(), kSeparators.end(), separator_) == kSeparators.end())
+    if (std::ranges::find(kSeparators, separator_) == kSeparators.end())
       fail(lines.number(), fmt::format("found \"{}\"; expected sep= and a comma, a semicolon, a tab or a bar",
                                        printable(std::string(line))));
     lines_ = lines;
@@ -247,22 +247,21 @@ void TableText::find_decimal_sign()
   {
     if (is_passed_over(line, separator_))
       continue;
-    for (const std::string_view cell : split_cells(line, separator_))
+    for (const std::string& cell : split_cells(line, separator_))
       for (std::size_t i = 0; i < 2; ++i)
-        if (first[i].line == 0 && cell.find(signs[i]) != std::string_view::npos && is_number(cell, signs[i]))
-          first[i] = {std::string(cell), lines.number()};
+        if (first[i].line == 0 && cell.find(signs[i]) != std::string::npos && is_number(cell, signs[i]))
+          first[i] = {cell, lines.number()};
     if (first[0].line != 0 && first[1].line != 0)
-      fail(lines.number(),
-           fmt::format("found decimal commas (\"{}\" in line {}) and decimal points (\"{}\" in line {}); expected one "
-                       "of the two throughout",
-                       first[0].text, first[0].line, first[1].text, first[1].line));
+      fail(lines.number(), fmt::format("found decimal commas (\"{}\" in line {}) and decimal points (\"{}\" in line "
+                                       "{}); expected one of the two throughout",
+                                       first[0].text, first[0].line, first[1].text, first[1].line));
   }
   decimal_comma_ = first[0].line != 0;
 }
 
 void TableText::fail(std::size_t line, const std::string& what) const
 {
-  throw Failure(ExitCode::bad_data, fmt::format("{}:{}: {}", file_, line, what));
+  throw Failure(ExitCode::bad_data, "{}:{}: {}", file_, line, what);
 }
 
 bool is_passed_over(std::string_view line, char separator)
@@ -271,7 +270,7 @@ bool is_passed_over(std::string_view line, char separator)
   if (first == std::string_view::npos || line[first] == '#')
     return true;
   return line[first] == separator &&
-         std::all_of(line.begin(), line.end(), [separator](char c) { return c == separator || c == ' ' || c == '\t'; });
+         std::ranges::all_of(line, [separator](char c) { return c == separator || c == ' ' || c == '\t'; });
 }
 
 bool is_foreign_comment(std::string_view line)
@@ -300,37 +299,43 @@ std::optional<char> other_separator(std::string_view text, char separator)
   {
     quoted ^= c == '"';
     brackets += (c == '(' || c == '[') - (c == ')' || c == ']');
-    const bool known = std::find(kSeparators.begin(), kSeparators.end(), c) != kSeparators.end();
+    const bool known = std::ranges::find(kSeparators, c) != kSeparators.end();
     if (known && !quoted && brackets <= 0 && c != separator && !(c == '\t' && separator == TableText::kBlanks))
       return c;
   }
   return std::nullopt;
 }
 
-std::vector<std::string_view> split_cells(std::string_view line, char separator)
+std::vector<std::string> split_cells(std::string_view line, char separator, bool* whole)
 {
-  std::vector<std::string_view> cells;
-  const bool blanks = separator == TableText::kBlanks;
-  if (blanks)
-    line = trimmed(line);
-  bool quoted = false;
-  std::size_t begin = 0;
-  for (std::size_t i = 0; i <= line.size(); ++i)
+  std::string tabbed; // the line with a tab for the blanks between two cells
+  if (separator == TableText::kBlanks)
   {
-    const bool at_end = i == line.size();
-    if (!at_end)
-      quoted ^= line[i] == '"';
-    const bool separates = at_end || (!quoted && (line[i] == separator || (blanks && line[i] == '\t')));
-    if (!separates)
-      continue;
-    std::string_view cell = trimmed(line.substr(begin, i - begin));
-    begin = i + 1;
-    if (blanks && cell.empty())
-      continue;
-    if (cell.size() > 1 && cell.front() == '"' && cell.back() == '"')
-      cell = cell.substr(1, cell.size() - 2);
-    cells.push_back(cell);
+    bool quoted = false;
+    for (const char c : trimmed(line))
+    {
+      quoted ^= c == '"';
+      const bool blank = !quoted && kSpace.find(c) != std::string_view::npos;
+      if (!blank || tabbed.back() != '\t')
+        tabbed += blank ? '\t' : c;
+    }
+    line = tabbed;
+    separator = '\t';
   }
+  csv_parser parser;
+  if (csv_init(&parser, CSV_STRICT | CSV_STRICT_FINI) != 0)
+    throw std::bad_alloc();
+  const std::unique_ptr<csv_parser, void (*)(csv_parser*)> end(&parser, csv_free);
+  csv_set_delim(&parser, static_cast<unsigned char>(separator));
+  std::vector<std::string> cells;
+  const auto add_cell = [](void* cell, std::size_t size, void* to)
+  {
+    static_cast<std::vector<std::string>*>(to)->emplace_back(static_cast<const char*>(cell), size);
+  };
+  const bool is_whole = csv_parse(&parser, line.data(), line.size(), add_cell, nullptr, &cells) == line.size() &&
+                        csv_fini(&parser, add_cell, nullptr, &cells) == 0;
+  if (whole != nullptr)
+    *whole = is_whole;
   return cells;
 }
 

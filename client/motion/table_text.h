@@ -90,8 +90,9 @@ std::string_view name_of_separator(char separator);
 /// The one other separator that a text holds outside quotes and brackets; nothing if there is none.
 std::optional<char> other_separator(std::string_view text, char separator);
 
-/// A line's cells, without the spaces and quotes around them.
-std::vector<std::string_view> split_cells(std::string_view line, char separator);
+/// A line's cells, without the spaces and quotes around them. whole: set to whether every quote is closed and in its
+/// place; if not, the cells end before the first that is not.
+std::vector<std::string> split_cells(std::string_view line, char separator, bool* whole = nullptr);
 
 /// Whether a cell names the time of a row, time or utime, with or without a unit in brackets.
 bool names_time(std::string_view cell);

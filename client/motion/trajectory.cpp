@@ -24,18 +24,22 @@ namespace
   LogReader log(bytes);
   while (const auto record = log.next())
     heard.emplace(record->channel);
-  throw Failure(
-      ExitCode::bad_data,
-      fmt::format("{}: found no desired state on channel {} of this LCM log ({} undecodable there); it holds {}; "
-                  "--prefix names another channel",
-                  origin.file, channels.desired, origin.undecodable, listed(heard, 8)));
+  throw Failure(ExitCode::bad_data,
+                "{}: found no desired state on channel {} of this LCM log ({} undecodable there); it holds {}; "
+                "--prefix names another channel",
+                origin.file, channels.desired, origin.undecodable, listed(heard, 8));
 }
 
 // the desired states of a log, which all are whole; they lie in its bytes
-std::vector<Bytes> find_messages(std::string_view bytes, const Channels& channels, Origin& origin)
+std::vector<Bytes> find_messages(std::string_view bytes, const std::string& file, const Differentiation& how,
+                                 const Channels& channels, Origin& origin)
 {
   std::vector<Bytes> messages;
+  origin.file = file;
   origin.from_log = true;
+  if (how.wanted)
+    origin.assumptions.emplace_back(
+        "a log's desired states have their derivatives, which are taken; --differentiate and --lowpass are for CSV");
   LogReader log(bytes);
   if (log.cut() > 0)
     origin.assumptions.push_back(
@@ -80,14 +84,6 @@ CoordinateNames coordinate_names(const std::vector<std::string>& absolute, const
   return names;
 }
 
-std::vector<std::string> doubt_options(const Differentiation& how)
-{
-  if (how.wanted)
-    return {
-        "a log's desired states have their derivatives, which are taken; --differentiate and --lowpass are for CSV"};
-  return {};
-}
-
 } // namespace
 
 CoordinateNames coordinate_names(const Robot& robot)
@@ -124,9 +120,7 @@ Trajectory parse_trajectory(std::string_view bytes, const std::string& file, con
   if (!LogReader::is_log(bytes))
     return parse_csv_trajectory(bytes, file, names, how);
   Trajectory trajectory;
-  trajectory.file = file;
-  trajectory.assumptions = doubt_options(how);
-  for (const Bytes message : find_messages(bytes, channels, trajectory))
+  for (const Bytes message : find_messages(bytes, file, how, channels, trajectory))
     decode(message, trajectory.states.emplace_back());
   return trajectory;
 }
@@ -137,9 +131,7 @@ DesiredMessages read_messages(const std::shared_ptr<const InputFile>& input, con
   if (!LogReader::is_log(input->bytes()))
     return encode_all(parse_csv_trajectory(input->bytes(), file, names, how));
   DesiredMessages desired;
-  desired.file = file;
-  desired.assumptions = doubt_options(how);
-  desired.messages = find_messages(input->bytes(), channels, desired);
+  desired.messages = find_messages(input->bytes(), file, how, channels, desired);
   desired.owner = input;
   return desired;
 }

@@ -74,10 +74,9 @@ std::optional<std::string> time_doubt(const WrittenMotion& motion)
                                                                 : std::nullopt;
     if (!unit)
       return {};
-    return fmt::format(
-        "column {} seems to be in {}, not in {}: the velocities are {:.3g} times as large as the angles' "
-        "change over it",
-        motion.time_column, *unit, expected, *ratio);
+    return fmt::format("column {} seems to be in {}, not in {}: the velocities are {:.3g} times as large as the "
+                       "angles' change over it",
+                       motion.time_column, *unit, expected, *ratio);
   }
   bool moves = false;
   for (Eigen::Index j = 0; j < motion.positions.cols(); ++j)
@@ -179,17 +178,12 @@ std::optional<std::string> height_doubt(const WrittenMotion& motion)
 UnitDoubts doubt_units(const WrittenMotion& motion)
 {
   UnitDoubts doubts;
-  if (auto sentence = time_doubt(motion))
-    doubts.sentences.push_back(std::move(*sentence));
-  if (auto sentence = velocity_doubt(motion))
-    doubts.sentences.push_back(std::move(*sentence));
-  if (auto sentence = angle_doubt(motion))
-  {
-    doubts.sentences.push_back(std::move(*sentence));
-    doubts.degrees = true;
-  }
-  if (auto sentence = height_doubt(motion))
-    doubts.sentences.push_back(std::move(*sentence));
+  for (const auto doubt : {time_doubt, velocity_doubt, angle_doubt, height_doubt})
+    if (auto sentence = doubt(motion))
+    {
+      doubts.sentences.push_back(std::move(*sentence));
+      doubts.degrees = doubts.degrees || doubt == angle_doubt;
+    }
   return doubts;
 }
 

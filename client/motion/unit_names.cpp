@@ -82,8 +82,8 @@ std::optional<double> unit_factor(Quantity quantity, int order, std::string_view
       text.resize(text.size() - per.size());
       break;
     }
-  const auto known = std::find_if(kUnits.begin(), kUnits.end(),
-                                  [&](const Unit& other) { return other.quantity == quantity && other.name == text; });
+  const auto known =
+      std::ranges::find_if(kUnits, [&](const Unit& other) { return other.quantity == quantity && other.name == text; });
   return known == kUnits.end() ? std::nullopt : std::optional(known->factor);
 }
 

@@ -41,11 +41,11 @@ std::vector<std::size_t> in_picture_order(const Robot& robot)
   const auto key = [&](std::size_t joint)
   {
     const auto [side, kind] = sided(robot.actuators[joint].name);
-    return std::tuple(!side, side ? std::find(order.begin(), order.end(), kind) : order.end(), side ? kind : "", side);
+    return std::tuple(!side, side ? std::ranges::find(order, kind) : order.end(), side ? kind : "", side);
   };
   std::vector<std::size_t> joints(robot.actuators.size());
   std::iota(joints.begin(), joints.end(), 0);
-  std::stable_sort(joints.begin(), joints.end(), [&key](std::size_t a, std::size_t b) { return key(a) < key(b); });
+  std::ranges::stable_sort(joints, {}, key);
   return joints;
 }
 

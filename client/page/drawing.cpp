@@ -17,7 +17,7 @@ Json pair(const Eigen::Vector2d& point)
 // its foot, or else to twice its centre of mass.
 std::vector<Segment> strokes(const Robot& robot, int index)
 {
-  if (std::any_of(robot.links.begin(), robot.links.end(), [](const Link& link) { return !link.drawing.empty(); }))
+  if (std::ranges::any_of(robot.links, [](const Link& link) { return !link.drawing.empty(); }))
     return robot.link(index).drawing;
   const double width = 0.03 * robot.leg_length;
   std::vector<Segment> found;

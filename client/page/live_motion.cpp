@@ -67,8 +67,7 @@ void LiveMotion::hear(const desired_state_t& desired, Clock::time_point now)
 
 LiveMotion::Sample* LiveMotion::find(std::int64_t stream_id, std::int64_t utime)
 {
-  const auto found = std::lower_bound(samples_.begin(), samples_.end(), utime,
-                                      [](const Sample& sample, std::int64_t t) { return sample.state.utime < t; });
+  const auto found = std::ranges::lower_bound(samples_, utime, {}, [](const Sample& one) { return one.state.utime; });
   const bool is_meant = found != samples_.end() && found->state.utime == utime && found->state.stream_id == stream_id;
   return is_meant ? &*found : nullptr;
 }

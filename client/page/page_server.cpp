@@ -55,8 +55,8 @@ public:
                                MHD_OPTION_NOTIFY_CONNECTION, &Implementation::count, this, MHD_OPTION_END);
     if (!daemon_)
       throw Failure(ExitCode::failed,
-                    fmt::format("--port: {} of {} cannot be had, is another program there? 0 takes any that is free",
-                                port, kAddress));
+                    "--port: {} of {} cannot be had, is another program there? 0 takes any that is free", port,
+                    kAddress);
     port_ = MHD_get_daemon_info(daemon_, MHD_DAEMON_INFO_BIND_PORT)->port;
   }
   ~Implementation() { MHD_stop_daemon(daemon_); }

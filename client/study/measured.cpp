@@ -74,8 +74,8 @@ Plates take_plates(Columns& columns, const std::string& file)
       absent.push_back(kPlates[k]);
   if (!absent.empty() && absent.size() < kPlates.size())
     throw Failure(ExitCode::bad_data,
-                  fmt::format("{}: found no column {}; expected all of FxL, FzL, ML, FxR, FzR, MR, or none of them",
-                              file, absent.front()));
+                  "{}: found no column {}; expected all of FxL, FzL, ML, FxR, FzR, MR, or none of them", file,
+                  absent.front());
   return plates;
 }
 

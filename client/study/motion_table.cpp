@@ -1,5 +1,6 @@
 #include "study/motion_table.h"
 
+#include "motion/motion_columns.h"
 #include "study/answer_table.h"
 
 #include <Eigen/LU>
@@ -27,26 +28,22 @@ const std::vector<std::string>& MotionTable::coordinates() const
   return relative_ ? model_.relative_names : model_.absolute_names;
 }
 
+std::vector<std::string> MotionTable::coordinates_and_base() const
+{
+  std::vector<std::string> names = coordinates();
+  names.insert(names.end(), base_names_.begin(), base_names_.end());
+  return names;
+}
+
 std::vector<std::string> MotionTable::answer_names() const
 {
-  std::vector<std::string> accelerations = coordinates();
-  accelerations.insert(accelerations.end(), base_names_.begin(), base_names_.end());
-  return answer_columns(model_.joint_names, accelerations);
+  return answer_columns(model_.joint_names, coordinates_and_base());
 }
 
 std::string MotionTable::header() const
 {
-  std::vector<std::string> columns{"utime", "time"};
-  for (const std::string prefix : {"", "d", "dd"})
-  {
-    for (const std::string& name : coordinates())
-      columns.push_back(prefix + name);
-    if (base_)
-      for (const std::string& name : base_names_)
-        columns.push_back(prefix + name);
-  }
-  for (const char* name : {"contactL", "contactR", "leading", "load_transfer", "phase"})
-    columns.emplace_back(name);
+  std::vector<std::string> columns = written_columns(base_ ? coordinates_and_base() : coordinates());
+  columns.insert(columns.begin() + 1, "time");
   return csv_line(std::move(columns), answer_names());
 }
 

@@ -39,6 +39,7 @@ public:
 
 private:
   const std::vector<std::string>& coordinates() const;
+  std::vector<std::string> coordinates_and_base() const;
   std::vector<std::string> answer_names() const;
   std::vector<std::string> state_cells(const desired_state_t& state, const std::optional<double>& seconds) const;
   std::vector<double> in_columns(const desired_state_t& state, const std::vector<double>& numbers, bool position) const;

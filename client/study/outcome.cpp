@@ -58,7 +58,7 @@ Changes find_changes(const std::vector<DesiredState>& states)
     if (states[i].stream_id != states[i - 1].stream_id || states[i].support.contact == states[i - 1].support.contact)
       continue;
     const std::string kind = fmt::format("{}→{}", phase_name(states[i - 1].support), phase_name(states[i].support));
-    const auto known = std::find(changes.kinds.begin(), changes.kinds.end(), kind);
+    const auto known = std::ranges::find(changes.kinds, kind);
     changes.at[i] = static_cast<int>(known - changes.kinds.begin());
     if (known == changes.kinds.end())
       changes.kinds.push_back(kind);

@@ -14,8 +14,8 @@ void require_fit(const torque_command_t& command, int num_coordinates, int num_j
 {
   if (command.num_coordinates != num_coordinates || command.num_joints != num_joints)
     throw Failure(ExitCode::bad_data,
-                  fmt::format("{}: was answered with {} accelerations and {} torques; expected {} and {}, those of {}",
-                              where, command.num_coordinates, command.num_joints, num_coordinates, num_joints, robot));
+                  "{}: was answered with {} accelerations and {} torques; expected {} and {}, those of {}", where,
+                  command.num_coordinates, command.num_joints, num_coordinates, num_joints, robot);
 }
 
 RecordedAnswers::RecordedAnswers(std::string_view log, const std::string& file, const Channels& channels,

@@ -5,6 +5,7 @@
 #include "study/answer_table.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 namespace torqued
 {
@@ -12,13 +13,13 @@ namespace torqued
 namespace
 {
 
-// "NAME 3, OTHER 1"
-template <typename Counts, typename Name, typename Count> std::string list(const Counts& counts, Name name, Count count)
+// "19 rejected: UNDER_ACTUATED 12, STALE 7"
+std::string rejections(const Tally& tally)
 {
-  std::string text;
-  for (const auto& [key, value] : counts)
-    text += fmt::format("{}{} {}", text.empty() ? "" : ", ", name(key), count(value));
-  return text;
+  std::vector<std::string> reasons;
+  for (const auto& [reason, so_far] : tally.rejected)
+    reasons.push_back(fmt::format("{} {}", reason_name(reason), so_far.count));
+  return fmt::format("{} rejected{}{}", tally.num_rejected(), reasons.empty() ? "" : ": ", fmt::join(reasons, ", "));
 }
 
 } // namespace
@@ -55,38 +56,25 @@ std::map<std::string, std::int64_t> Tally::flags() const
   return counts;
 }
 
-std::string Tally::rejections() const
+std::string Tally::summary(std::string_view name, std::size_t samples, std::string_view others) const
 {
-  const std::string by_reason = list(rejected, reason_name, [](const Rejected& so_far) { return so_far.count; });
-  return fmt::format("{} rejected{}{}", num_rejected(), by_reason.empty() ? "" : ": ", by_reason);
-}
-
-std::string Tally::flag_line() const
-{
-  const std::map<std::string, std::int64_t> counts = flags();
-  if (counts.empty())
-    return "";
-  const auto same = [](const auto& value)
-  {
-    return value;
-  };
-  return fmt::format("flags: {}\n", list(counts, same, same));
-}
-
-std::string Tally::first_of_each() const
-{
-  std::string lines;
+  std::string text =
+      fmt::format("{}: {} of {} samples answered, {}{}\n", name, answered, samples, others, rejections(*this));
+  std::vector<std::string> counts;
+  for (const auto& [flag, count] : flags())
+    counts.push_back(fmt::format("{} {}", flag, count));
+  if (!counts.empty())
+    text += fmt::format("flags: {}\n", fmt::join(counts, ", "));
   for (const auto& [reason, so_far] : rejected)
-    lines += fmt::format("  {}, first: {}\n", reason_name(reason), so_far.first);
-  return lines;
+    text += fmt::format("  {}, first: {}\n", reason_name(reason), so_far.first);
+  return text;
 }
 
 void Tally::require_answers(const std::string& file) const
 {
   if (answered > 0 || rejected.empty())
     return;
-  throw Failure(ExitCode::bad_data,
-                fmt::format("{}: no sample was answered: {}; the first: {}", file, rejections(), first));
+  throw Failure(ExitCode::bad_data, "{}: no sample was answered: {}; the first: {}", file, rejections(*this), first);
 }
 
 std::string reason_name(std::int32_t reason)

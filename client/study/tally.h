@@ -1,9 +1,11 @@
 /// Counts of answers and rejections, and how they are told.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <map>
 #include <string>
+#include <string_view>
 
 namespace torqued
 {
@@ -28,12 +30,9 @@ struct Tally
   /// How many answers carry each flag, by its name; flags that none carries are left out.
   std::map<std::string, std::int64_t> flags() const;
 
-  /// "19 rejected: UNDER_ACTUATED 12, STALE 7".
-  std::string rejections() const;
-  /// "flags: INCONSISTENT 447, TIPS 3" in a line of its own; empty if no answer carries any.
-  std::string flag_line() const;
-  /// One line for each reason: "UNDER_ACTUATED, first: …".
-  std::string first_of_each() const;
+  /// "ck: 428 of 447 samples answered, 19 rejected: UNDER_ACTUATED 12, STALE 7"; then a line of flags, if there are
+  /// any, and one of what was said first for each reason. others: what became of other samples, "3 lost, ".
+  std::string summary(std::string_view name, std::size_t samples, std::string_view others = "") const;
 
   /// Throws Failure, bad_data, if there were samples and none was answered: how many were rejected, and why the first.
   void require_answers(const std::string& file) const;
