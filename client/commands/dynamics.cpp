@@ -35,11 +35,6 @@ struct DynamicsOptions
   std::string elimination{kEliminations[0].name};
 };
 
-EliminationMethod elimination_named(std::string_view name)
-{
-  return std::ranges::find(kEliminations, name, &NamedElimination::name)->method;
-}
-
 // rows that are sent of a matrix that may keep more
 Json rows(const std::vector<std::vector<double>>& matrix, std::int32_t count)
 {
@@ -47,11 +42,6 @@ Json rows(const std::vector<std::vector<double>>& matrix, std::int32_t count)
   for (const std::vector<double>& row : std::span(matrix).first(static_cast<std::size_t>(count)))
     result.push_back(row);
   return result;
-}
-
-Json refused(std::int64_t utime, std::string_view why)
-{
-  return {{"utime", utime}, {"error", why}};
 }
 
 // F, what follows from it, and the multipliers of the torques that the configured method answers
@@ -106,8 +96,9 @@ ExitCode dynamics(const DynamicsOptions& options)
   const std::vector<BaseParameter> parameters =
       options.regressor ? base_parameters(robot) : std::vector<BaseParameter>();
   const Coordinates coordinates = options.coordinates == "absolute" ? Coordinates::absolute : Coordinates::relative;
-  const std::optional<EliminationMethod> elimination =
-      options.reduced ? std::optional(elimination_named(options.elimination)) : std::nullopt;
+  std::optional<EliminationMethod> elimination;
+  if (options.reduced)
+    elimination = std::ranges::find(kEliminations, options.elimination, &NamedElimination::name)->method;
   OutputFile out(path);
   dynamics_t equation{};
   StreamMemory memory;
@@ -121,7 +112,7 @@ ExitCode dynamics(const DynamicsOptions& options)
     {
       if (refused_samples++ == 0)
         first_refusal = fmt::format("{}: {}", desired.place(i), why);
-      return refused(utime, why);
+      return Json{{"utime", utime}, {"error", why}};
     };
     const auto line = [&]() -> Json
     {

@@ -267,11 +267,6 @@ Measured find_measured(const Input& input, const Samples& samples, const Robot& 
   return choose(measured, rows_sent(states, samples.states, options.measured));
 }
 
-std::string stem(const std::string& file)
-{
-  return std::filesystem::path(file).stem().string();
-}
-
 std::ptrdiff_t num_answered(const ReportRun& run)
 {
   return std::ranges::count_if(run.answers, [](const std::optional<Answer>& answer) { return answer.has_value(); });
@@ -343,7 +338,7 @@ ExitCode report(const ReportOptions& options)
       motion.runs.push_back(evaluated_run(robot, config.answers, motion.states, std::nullopt));
     if (inputs.size() > 1)
       for (ReportRun& run : motion.runs)
-        run.name = fmt::format("{}: {}", stem(input.trajectory.file), run.name);
+        run.name = fmt::format("{}: {}", std::filesystem::path(input.trajectory.file).stem().string(), run.name);
   }
   OutputFile out(options.out);
   out.write(report_page(fmt::format("{} – {}", motions.front().source, robot.name), report_document(robot, motions)));
