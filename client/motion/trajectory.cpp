@@ -65,48 +65,33 @@ std::vector<Bytes> find_messages(std::string_view bytes, const std::string& file
   return messages;
 }
 
-// slides: of each absolute coordinate, whether it is a displacement; A(i, j): q_relative = A q_absolute + b
-template <typename Matrix>
-CoordinateNames coordinate_names(const std::vector<std::string>& absolute, const std::vector<std::string>& relative,
-                                 const std::array<std::string, 2>& base, const std::vector<bool>& slides, Matrix A)
-{
-  CoordinateNames names{absolute, relative, base, {}};
-  for (std::size_t i = 0; i < slides.size(); ++i)
-  {
-    if (slides[i])
-      names.displacements.insert(absolute[i]);
-    bool displacement = true; // a sum of displacements only
-    for (std::size_t j = 0; j < slides.size(); ++j)
-      displacement = displacement && (slides[j] || A(i, j) == 0.0);
-    if (displacement)
-      names.displacements.insert(relative[i]);
-  }
-  return names;
-}
-
 } // namespace
 
 CoordinateNames coordinate_names(const Robot& robot)
 {
-  std::vector<bool> slides(robot.absolute_names.size());
-  for (const Link& link : robot.links)
-    if (link.type().slides())
-      slides.at(static_cast<std::size_t>(link.coordinate)) = true;
-  return coordinate_names(robot.absolute_names, robot.relative_names, robot.base_names, slides,
-                          [&robot](std::size_t row, std::size_t column)
-                          { return robot.A(static_cast<Eigen::Index>(row), static_cast<Eigen::Index>(column)); });
+  return coordinate_names(model_info(robot, 0, 0, ""));
 }
 
 CoordinateNames coordinate_names(const model_info_t& model)
 {
+  CoordinateNames names{model.absolute_names, model.relative_names, {model.base_names[0], model.base_names[1]}, {}};
   std::vector<bool> slides(model.absolute_names.size());
   for (std::size_t i = 0; i < model.joint_kinds.size(); ++i)
     if (const auto at = static_cast<std::size_t>(model.link_coordinates[i]),
         kind = static_cast<std::size_t>(model.joint_kinds[i]);
         kind < kJointTypes.size() && kJointTypes[kind].slides() && at < slides.size())
       slides[at] = true;
-  return coordinate_names(model.absolute_names, model.relative_names, {model.base_names[0], model.base_names[1]},
-                          slides, [&model](std::size_t row, std::size_t column) { return model.A[row][column]; });
+  for (std::size_t i = 0; i < slides.size(); ++i)
+  {
+    if (slides[i])
+      names.displacements.insert(model.absolute_names[i]);
+    bool displacement = true; // a sum of displacements only: q_relative = A q_absolute + b
+    for (std::size_t j = 0; j < slides.size(); ++j)
+      displacement = displacement && (slides[j] || model.A[i][j] == 0.0);
+    if (displacement)
+      names.displacements.insert(model.relative_names[i]);
+  }
+  return names;
 }
 
 std::string Origin::place(std::size_t state) const
