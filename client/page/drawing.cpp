@@ -43,9 +43,8 @@ std::vector<Segment> strokes(const Robot& robot, int index)
 // the link whose frame begins at the joint
 int child_of(const Robot& robot, const Actuator& actuator)
 {
-  return robot.link(actuator.on).parent == actuator.against || robot.link(actuator.against).parent != actuator.on
-             ? actuator.on
-             : actuator.against;
+  const Link* child = child_of_joint(robot.links, actuator);
+  return child ? static_cast<int>(child - robot.links.data()) : actuator.on;
 }
 
 } // namespace
