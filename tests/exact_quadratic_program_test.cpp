@@ -69,9 +69,9 @@ Eigen::VectorXi whole_vector(oracle::Random& random, int n, int size)
 }
 
 // Every third one with all rows through one point, every third one of equalities and cones.
-WholeProgram random_program(oracle::Random& random, int kind)
+WholeProgram random_program(oracle::Random& random, int kind, int most_variables)
 {
-  const int n = whole(random, 1, 3);
+  const int n = whole(random, 1, most_variables);
   Eigen::MatrixXi M(n, n);
   for (int& entry : M.reshaped())
     entry = whole(random, -3, 3);
@@ -115,10 +115,12 @@ TEST_CASE("the solution of whole numbers is the exact one", "[exact_quadratic_pr
   constexpr int kPrograms = 300;
 #endif
   oracle::Random random(1);
+  const int most_variables = GENERATE(3, kMaxVariables);
+  CAPTURE(most_variables);
   int infeasible_ones = 0;
   for (int i = 0; i < kPrograms; ++i)
   {
-    const WholeProgram program = random_program(random, i % 3);
+    const WholeProgram program = random_program(random, i % 3, most_variables);
     const auto expected = CGAL::solve_quadratic_program(program.exact(), CGAL::MP_Float());
     const QuadraticProgramSolution found = solve(program.rounded());
     CAPTURE(i, program.H, program.g, program.A, program.b);

@@ -98,11 +98,12 @@ enum class Kind
 };
 constexpr int kKinds = 11;
 
-QuadraticProgram random_program(oracle::Random& random, Kind kind)
+// fewest, most: variables
+QuadraticProgram random_program(oracle::Random& random, Kind kind, int fewest = 0, int most = 3)
 {
-  const int n = kind == Kind::cones || kind == Kind::turned_cones ? whole(random, 2, 3)
-                : kind == Kind::nearly_parallel                   ? whole(random, 2, 3)
-                                                                  : whole(random, 0, 3);
+  if (kind == Kind::cones || kind == Kind::turned_cones || kind == Kind::nearly_parallel)
+    fewest = std::max(fewest, 2);
+  const int n = whole(random, fewest, most);
   const Eigen::VectorXd inside = vector(random, n);
   Eigen::MatrixXd H =
       positive(random, n, kind == Kind::bad_condition ? std::pow(10.0, uniform(random, 2.0, 8.0)) : 1.0);
@@ -364,6 +365,72 @@ TEST_CASE("the solution is the best of all sets of active rows", "[quadratic_pro
   CHECK(most_steps < 20);
 }
 
+TEST_CASE("of four to six variables too the solution is the best of all sets of active rows",
+          "[quadratic_program][slow]")
+{
+  oracle::Random random(16);
+  int infeasible_ones = 0, violated = 0;
+  for (int i = 0; i < kPrograms / 10; ++i)
+  {
+    const Kind kind = static_cast<Kind>(i % kKinds);
+    QuadraticProgram program = random_program(random, kind, 4, 6);
+    keep(program.rows, 10);
+    if (i % 3 == 0)
+      for (int j = 0; j < program.rows.size(); ++j)
+        program.rows.soft[static_cast<std::size_t>(j)] = whole(random, 0, 2) == 0;
+    const Enumeration expected(program);
+    const QuadraticProgramSolution found = solve(program);
+    CAPTURE(i, static_cast<int>(kind), program.g.size(), program.rows.size(), expected.residual());
+    REQUIRE(found.status == (expected.residual() < 1e-9 ? optimal : infeasible));
+    infeasible_ones += found.status == infeasible;
+    CHECK(found.steps < 40);
+    if (found.status != optimal)
+      continue;
+    CHECK(kkt_residuals(program, found.y, found.lambda).largest() <= 1e-10);
+    CHECK(mismatch(found.y, expected.y(), kind == Kind::bad_condition ? 1e-6 : 1e-8) == "");
+    for (int j = 0; j < program.rows.size(); ++j)
+      violated += program.rows.soft[static_cast<std::size_t>(j)] && found.lambda(j) > 1e-3;
+  }
+  CHECK(infeasible_ones > kPrograms / 200);
+  CHECK(violated > kPrograms / 100);
+}
+
+TEST_CASE("of four to six variables, rows through one point are met, and violations are the least",
+          "[quadratic_program]")
+{
+  oracle::Random random(17);
+  int violated = 0;
+  for (int i = 0; i < kPrograms / 4; ++i)
+  {
+    const Kind kind = static_cast<Kind>(i % kKinds);
+    QuadraticProgram program = random_program(random, kind, 4, 6);
+    const int n = static_cast<int>(program.g.size());
+    const QuadraticProgramSolution found = solve(program);
+    CAPTURE(i, static_cast<int>(kind), n);
+    if (kind == Kind::vertex || kind == Kind::equalities || kind == Kind::nearly_parallel || kind == Kind::closed)
+      REQUIRE(found.status == optimal);
+    REQUIRE(found.status != not_solved);
+    if (found.status == optimal)
+      CHECK(kkt_residuals(program, found.y, found.lambda).largest() <= 1e-10);
+
+    // what can be met is met by the least violation, too; in any case it is one by its own conditions
+    for (int j = 0; j < program.rows.size(); ++j)
+      program.rows.soft[static_cast<std::size_t>(j)] = whole(random, 0, 3) > 0;
+    const QuadraticProgramSolution least = least_violation(program.rows, vector(random, n));
+    if (program.rows.soft.count() == static_cast<std::size_t>(program.rows.size()) || found.status == optimal)
+      REQUIRE(least.status == optimal);
+    if (least.status != optimal)
+      continue;
+    program.H.setZero();
+    program.g.setZero();
+    CHECK(kkt_residuals(program, least.y, least.lambda).largest() <= 1e-9);
+    const bool met = program.rows.size() == 0 || least.lambda.maxCoeff() < 1e-7;
+    CHECK(met == (found.status == optimal));
+    violated += !met;
+  }
+  CHECK(violated > kPrograms / 40);
+}
+
 TEST_CASE("with soft rows too the solution is the best of all sets of active rows", "[quadratic_program]")
 {
   oracle::Random random(2);
@@ -516,7 +583,7 @@ TEST_CASE("a cone that is closed leaves one point", "[quadratic_program]")
   CHECK(solve(program_of(program.H, program.g, rows)).status == infeasible);
 }
 
-TEST_CASE("by inverses and by orthogonal columns the solution is the same", "[quadratic_program]")
+TEST_CASE("a soft row that is far away changes nothing", "[quadratic_program]")
 {
   oracle::Random random(15);
   int infeasible_ones = 0;
@@ -525,7 +592,6 @@ TEST_CASE("by inverses and by orthogonal columns the solution is the same", "[qu
     const Kind kind = static_cast<Kind>(i % kKinds);
     const QuadraticProgram program = random_program(random, kind);
     const QuadraticProgramSolution found = solve(program);
-    // inverses take no soft rows; one that is far away changes nothing else
     QuadraticProgram with_soft = program;
     const int m = program.rows.size();
     with_soft.rows.A.conservativeResize(m + 1, Eigen::NoChange);

@@ -14,7 +14,7 @@ namespace torqued
 namespace
 {
 
-// Which conditions give way to which: the first hold the longest.
+// The priorities of conditions, highest first.
 enum class Rank
 {
   contact,
@@ -22,11 +22,6 @@ enum class Rank
   window
 };
 constexpr std::array<Rank, 3> kRanks{Rank::contact, Rank::torque, Rank::window};
-
-// The square root of what a window's lack costs, a torque of weight × leg length at every joint costing 1: so much that
-// a window lacks some 1e-8 of the weight more than it must, and so little that doubles still tell the torques apart. A
-// power of two, so that nothing is lost when rows are multiplied by it and divided.
-constexpr double kRootOfWindowPrice = 0x1p13;
 
 // What the contacts, and the windows if they are set, ask of the reactions, one after the other, by
 //
@@ -113,12 +108,11 @@ public:
     // always as many rows, of which the last may ask nothing: the compiler then knows where each entry is
     rows_.A.resize(size_, all.redundancy);
     rows_.b.resize(size_);
-    Eigen::Map<Eigen::Matrix<double, ContactConditions::kMost, 3>> A(rows_.A.data());
     int row = 0;
     const auto write = [&](const Columns& a, double bound, Rank rank)
     {
-      for (int k = 0; k < 3; ++k)
-        A(row, k) = a(1 + k);
+      for (int k = 0; k < all.redundancy; ++k)
+        rows_.A(row, k) = a(1 + k);
       rows_.b(row) = bound + a(0);
       rank_[static_cast<std::size_t>(row++)] = rank;
     };
@@ -181,19 +175,7 @@ public:
     return rows;
   }
 
-  // lets windows give way at their price, or takes that back
-  void price_windows(bool soft)
-  {
-    const double factor = soft ? kRootOfWindowPrice : 1.0 / kRootOfWindowPrice;
-    for (int i = 0; i < size_; ++i)
-      if (rank(i) == Rank::window)
-      {
-        rows_.A.row(i) *= factor;
-        rows_.b(i) *= factor;
-        rows_.soft[static_cast<std::size_t>(i)] = soft;
-      }
-  }
-
+  Eigen::Index variables() const { return rows_.A.cols(); }
   bool any(Rank of) const { return std::find(rank_.begin(), rank_.begin() + size_, of) != rank_.begin() + size_; }
 
   // the most that a row of this rank lacks at y
@@ -329,6 +311,44 @@ bool tells_apart(const Bounded<3, 3>& H)
   return first > least && second > least * first && third > least * second;
 }
 
+// Grants the conditions what they lack at the least: windows alone where that is enough; else rank by rank, highest
+// priority first, each while those before it hold. active: the working set in which the program turned out infeasible;
+// then one to solve it from.
+std::optional<Refusal> give_way(const SupportEquations& equations, bool relax, Conditions& conditions,
+                                std::bitset<kMaxRows>& active)
+{
+  BoundedVector<kMaxVariables> y = BoundedVector<kMaxVariables>::Zero(conditions.variables());
+  if (conditions.any(Rank::window))
+    if (const auto least = least_violation(conditions.up_to(Rank::window), y, active);
+        least.status == QuadraticProgramStatus::optimal)
+    {
+      conditions.relax(Rank::window, least.y);
+      active = least.active;
+      return {};
+    }
+  active.reset();
+  for (const Rank rank : kRanks)
+  {
+    if (!conditions.any(rank))
+      continue;
+    const QuadraticProgramSolution least = least_violation(conditions.up_to(rank), y);
+    if (least.status != QuadraticProgramStatus::optimal)
+      return Refusal(Reason::numerical, "the least violation of the contact conditions was not found");
+    y = least.y;
+    const double lacking = conditions.lacking(rank, y);
+    if (!relax && rank != Rank::window && lacking > 1e-9)
+      return Refusal(Reason::infeasible,
+                     "no ground reactions meet the conditions of {}: some lack {:.3g} (of weight, of weight x sole "
+                     "length, of a torque limit); the total force is {:.4g} N forward, {:.4g} N upward, through x = "
+                     "{:.4g} m",
+                     rank == Rank::contact ? "the contacts" : "contacts and motors together", lacking,
+                     equations.force().x(), equations.force().y(),
+                     equations.moment_about_origin() / equations.force().y());
+    conditions.relax(rank, y);
+  }
+  return {};
+}
+
 } // namespace
 
 ContactConditions contact_conditions(const Robot& robot, const SupportEquations& equations, const Support& support,
@@ -384,36 +404,11 @@ Result<Reactions> constrained(const Robot& robot, const SupportEquations& equati
     solution = solve(program, solution.active);
   }
   const bool relaxed = solution.status == QuadraticProgramStatus::infeasible;
-  if (relaxed && conditions.any(Rank::window))
+  if (relaxed)
   {
-    conditions.price_windows(true);
+    if (const std::optional<Refusal> refusal = give_way(equations, relax, conditions, solution.active))
+      return *refusal;
     solution = solve(program, solution.active);
-    conditions.price_windows(false);
-  }
-  if (relaxed && solution.status != QuadraticProgramStatus::optimal)
-  {
-    // not the windows alone: rank by rank, each row by what it lacks at the least, before the next rank is looked at
-    BoundedVector<kMaxVariables> y = BoundedVector<kMaxVariables>::Zero(n);
-    for (const Rank rank : kRanks)
-    {
-      if (!conditions.any(rank))
-        continue;
-      const QuadraticProgramSolution least = least_violation(conditions.up_to(rank), y);
-      if (least.status != QuadraticProgramStatus::optimal)
-        return Refusal(Reason::numerical, "the least violation of the contact conditions was not found");
-      y = least.y;
-      const double lacking = conditions.lacking(rank, y);
-      if (!relax && rank != Rank::window && lacking > 1e-9)
-        return Refusal(Reason::infeasible,
-                       "no ground reactions meet the conditions of {}: some lack {:.3g} (of weight, of weight x sole "
-                       "length, of a torque limit); the total force is {:.4g} N forward, {:.4g} N upward, through x = "
-                       "{:.4g} m",
-                       rank == Rank::contact ? "the contacts" : "contacts and motors together", lacking,
-                       equations.force().x(), equations.force().y(),
-                       equations.moment_about_origin() / equations.force().y());
-      conditions.relax(rank, y);
-    }
-    solution = solve(program);
   }
   if (solution.status != QuadraticProgramStatus::optimal)
     return Refusal(Reason::numerical, "the optimisation did not end; the motion's numbers are too large");

@@ -33,8 +33,7 @@ namespace torqued
 ///
 /// Where not all conditions can be met, windows give way first, then torque limits, then contacts: each by the least
 /// sum of squares of what is missing, forces over weight, moments over weight × sole length, torques over their limits;
-/// and of what then remains, the least torque is taken (relaxed is set). Windows that give way alone may lack some 1e-8
-/// of that more than they must.
+/// and of what then remains, the least torque is taken (relaxed is set).
 struct Constrained
 {
   static constexpr Method kMethod = Method::constrained;

@@ -18,7 +18,7 @@
 namespace torqued
 {
 
-inline constexpr int kMaxVariables = 3;
+inline constexpr int kMaxVariables = 6;
 inline constexpr int kMaxRows = 64;
 
 /// The rows a_i·y ≤ b_i.
@@ -31,7 +31,7 @@ struct Rows
   int size() const { return static_cast<int>(b.size()); }
 };
 
-/// Sizes: 0 to 3 variables, 0 to 64 rows. Of use if well scaled: entries of H and A of order 1 in the units of y.
+/// Sizes: 0 to 6 variables, 0 to 64 rows. Of use if well scaled: entries of H and A of order 1 in the units of y.
 struct QuadraticProgram
 {
   Bounded<kMaxVariables, kMaxVariables> H; ///< symmetric, positive definite
@@ -72,7 +72,7 @@ struct QuadraticProgramSolution
   QuadraticProgramStatus status;
   BoundedVector<kMaxVariables> y; ///< optimal: the solution; else not set
   BoundedVector<kMaxRows> lambda; ///< multipliers, N m² and the like per unit of each row; 0 where a row is not active
-  int steps;
+  int steps = 0;
   std::bitset<kMaxRows> active; ///< the working set in the end, whatever the status
 };
 
@@ -81,12 +81,10 @@ inline constexpr int kMaxSteps = 500;
 
 /// Solves by the dual active-set method: from the minimum without rows it meets one violated row after another, and
 /// keeps the multipliers of those met before non-negative. The working set never holds more independent hard rows than
-/// there are variables, so each step solves with matrices of at most 3 × 3. Inverses do where neither that of H nor
-/// that of the rows met costs more than some three digits; else, and with soft rows, the solution is computed afresh
-/// from the working set by orthogonal columns: no error builds up. Either way, what is answered as optimal is so by its
-/// KKT residuals.
-/// start: to begin with, the working set in which another program ended whose rows had the same directions; hard rows
-/// may have become soft, but not soft ones hard. Those that would pull are dropped.
+/// there are variables. The solution is computed afresh from each working set and corrected until what remains is
+/// rounding, so that no error builds up; what is answered as optimal is so by its KKT residuals.
+/// start: to begin with, the working set in which another program ended whose rows had the same directions. Rows of it
+/// that would pull, and hard rows that depend on others, are dropped.
 /// Source: D. Goldfarb, A. Idnani, "A numerically stable dual method for solving strictly convex quadratic programs",
 /// Mathematical Programming 27, 1983; soft rows, and solving afresh, are ours.
 QuadraticProgramSolution solve(const QuadraticProgram& program, const std::bitset<kMaxRows>& start = {});
@@ -94,9 +92,10 @@ QuadraticProgramSolution solve(const QuadraticProgram& program, const std::bitse
 /// The y that violates the soft rows least, ½ Σ v_i², and meets the hard ones; of several, one that is near to `from`.
 ///
 /// Converges by proximal steps, y ← argmin ½ Σ v_i² + ½ δ |y − y_before|²: each a strictly convex program, and the
-/// sum of the violations is piecewise quadratic, so that few are needed.
+/// sum of the violations is piecewise quadratic, so that few are needed. start: as of solve().
 /// Status: optimal; infeasible if no y meets the hard rows; not_solved. lambda are the multipliers of the last step: of
 /// a soft row its violation.
-QuadraticProgramSolution least_violation(const Rows& rows, const BoundedVector<kMaxVariables>& from);
+QuadraticProgramSolution least_violation(const Rows& rows, const BoundedVector<kMaxVariables>& from,
+                                         const std::bitset<kMaxRows>& start = {});
 
 } // namespace torqued
