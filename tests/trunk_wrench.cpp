@@ -1,6 +1,7 @@
 #include "trunk_wrench.h"
-#include "methods/linear_transition.h"
+#include "oracles.h"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 
 namespace torqued::oracle
@@ -25,44 +26,50 @@ struct Legs
   const Eigen::Vector3d& leg(Side side) const { return rate[static_cast<std::size_t>(side)]; }
 };
 
-Legs legs_of(const Robot& robot, const SupportEquations& equations)
+// What gives a link its rate of momentum and carries its weight, about a point: its momentum along the motion
+// φ = φ(0) + φ̇ t + ½ φ̈ t², seen from where the base point's velocity is 0, differentiated.
+Eigen::Vector3d wrench_on(const Robot& robot, const SupportEquations& equations, const Link& link,
+                          const Eigen::Vector2d& point)
 {
   const Kinematics& now = equations.now;
-  const VectorD& turning = equations.direction_acceleration;
-  const Eigen::Vector2d base_up(equations.base_acceleration.x(),
-                                equations.base_acceleration.y() + robot.mechanism.gravity());
-  Legs legs{position(now, robot.link(robot.trunk).origin),
-            Eigen::Vector3d::Zero(),
-            {{Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero()}}};
-  Eigen::Vector3d &left = legs.rate[0], &right = legs.rate[1];
-  for (std::size_t i = 0; i < robot.links.size(); ++i)
+  Eigen::Vector2d centre;
+  const auto momentum = [&](double t) -> Eigen::Vector3d
   {
-    if (robot.leg[i] == Side::right) // what the others leave of the whole
-      continue;
-    // rate of momentum, about the trunk's origin: the force at the link's frame, and about that frame
-    const Link& link = robot.links[i];
-    Eigen::Vector2d place = now.base - legs.origin;
-    Eigen::Vector2d up = base_up;
-    const auto add = [&](int direction, const Eigen::Vector2d& r)
+    const auto rate = [&](int direction)
     {
-      const double rate = now.rate(direction);
-      up += turning(direction) * perp(r) - rate * rate * r;
+      return now.rate(direction) + equations.direction_acceleration(direction) * t;
+    };
+    centre = now.base + 0.5 * t * t * equations.base_acceleration;
+    Eigen::Vector2d velocity = t * equations.base_acceleration;
+    const auto add = [&](int direction, const Eigen::Vector2d& from)
+    {
+      const Eigen::Vector2d r = Eigen::Rotation2Dd(0.5 * (now.rate(direction) + rate(direction)) * t) * from;
+      centre += r;
+      velocity += rate(direction) * perp(r);
     };
     for (const Arm& arm : link.origin)
-    {
-      const Eigen::Vector2d r = rotate(now.e.col(arm.direction), arm.r);
-      place += r;
-      add(arm.direction, r);
-    }
-    const Eigen::Vector2d c = rotate(heading(link, now), link.com);
-    double moment = (link.inertia + link.mass * c.squaredNorm()) * turning(link.direction) + link.mass * cross(c, up);
-    add(link.direction, c);
-    const Eigen::Vector2d force = link.mass * up;
-    moment += cross(place, force);
-    Eigen::Vector3d& rate = robot.leg[i] ? left : legs.trunk;
-    rate += Eigen::Vector3d(force.x(), force.y(), moment);
+      add(arm.direction, rotate(now.e.col(arm.direction), arm.r));
+    add(link.direction, rotate(heading(link, now), link.com));
+    const Eigen::Vector2d linear = link.mass * velocity;
+    return {linear.x(), linear.y(), link.inertia * rate(link.direction) + cross(centre - point, linear)};
+  };
+  // at rates of 10 rad/s the stencil's error and rounding are both some 1e-14 of the momentum's rate
+  const Eigen::Vector3d rate = slope(momentum, 3e-3);
+  momentum(0.0);
+  const Eigen::Vector2d weight(0.0, link.mass * robot.mechanism.gravity());
+  return rate + Eigen::Vector3d(0.0, weight.y(), cross(centre - point, weight));
+}
+
+Legs legs_of(const Robot& robot, const SupportEquations& equations)
+{
+  Legs legs{position(equations.now, robot.link(robot.trunk).origin),
+            Eigen::Vector3d::Zero(),
+            {{Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero()}}};
+  for (std::size_t i = 0; i < robot.links.size(); ++i)
+  {
+    Eigen::Vector3d& sum = robot.leg[i] ? legs.rate[static_cast<std::size_t>(*robot.leg[i])] : legs.trunk;
+    sum += wrench_on(robot, equations, robot.links[i], legs.origin);
   }
-  right = about(legs.origin - equations.base(), equations.d) - legs.trunk - left;
   return legs;
 }
 
