@@ -188,13 +188,14 @@ public:
     return most;
   }
 
-  // grants rows of this rank what they lack at y; and all of them room for rounding
+  // Grants rows of this rank what they lack at y, and all of them room for rounding: of weight, of weight × sole
+  // length, of a torque limit. What gave way leaves a point that rounding could close, so lower ranks get more.
   void relax(Rank of, const BoundedVector<kMaxVariables>& y)
   {
-    constexpr double rounding = 1e-9;
+    const double room = of == Rank::contact ? 1e-9 : 1e-8;
     for (int i = 0; i < size_; ++i)
       if (rank(i) == of)
-        rows_.b(i) = std::max(rows_.b(i), rows_.A.row(i).dot(y)) + rounding;
+        rows_.b(i) = std::max(rows_.b(i), rows_.A.row(i).dot(y)) + room;
   }
 
 private:

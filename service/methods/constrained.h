@@ -33,7 +33,8 @@ namespace torqued
 ///
 /// Where not all conditions can be met, windows give way first, then torque limits, then contacts: each by the least
 /// sum of squares of what is missing, forces over weight, moments over weight × sole length, torques over their limits;
-/// and of what then remains, the least torque is taken (relaxed is set).
+/// and of what then remains, the least torque is taken (relaxed is set). Beyond that least, contacts get room of 1e-9,
+/// torque limits and windows 1e-8.
 struct Constrained
 {
   static constexpr Method kMethod = Method::constrained;
