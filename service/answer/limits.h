@@ -39,8 +39,27 @@ struct Elapsed
   bool follows;       ///< whether there is an answer before
   std::int64_t time;  ///< µs, positive; of no consequence if there is none
   std::int64_t ahead; ///< StreamMemory::ahead after this answer
+
+  double seconds() const { return 1e-6 * static_cast<double>(time); } ///< not 0, which times an infinite limit is NaN
 };
 Elapsed elapsed_since(const StreamMemory& memory, const DesiredState& desired, const std::optional<OwnClock>& clock);
+
+/// Whether check_magnitude() and apply_limits() find nothing. They need not be called then; that they were took 1/20 of
+/// the rows "single support" of tools/bench.
+inline bool keeps_limits(const Robot& robot, const Elapsed& elapsed, const StreamMemory& memory, const VectorJ& torque)
+{
+  const double most = kMostTorque * robot.weight() * std::min(robot.leg_length, 1.0);
+  const double dt = elapsed.seconds();
+  bool keeps = true;
+  const double* now = torque.data();
+  const double* before = elapsed.follows ? memory.torque.data() : now; // of no change, if it follows none
+  for (const Actuator& actuator : robot.actuators)
+  {
+    keeps &= std::abs(*now) <= std::min(most, actuator.torque_limit);
+    keeps &= std::abs(*now++ - *before++) <= actuator.rate_limit * dt;
+  }
+  return keeps;
+}
 
 /// Refuses, as numerical, a torque that no robot of this size could ever need.
 std::optional<Refusal> check_magnitude(const Robot& robot, const VectorJ& torque);
