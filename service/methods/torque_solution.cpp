@@ -55,10 +55,20 @@ std::optional<Refusal> check_admissible(const Robot& robot, const Support& suppo
 
 TorqueSolution::TorqueSolution(const Robot& robot, const SupportEquations& equations, const Support& support,
                                Method used, const WrenchVector& reactions, bool was_clamped, bool was_relaxed)
-    : method(used), clamped(was_clamped), relaxed(was_relaxed), w(reactions),
-      ground(about_ankles(equations, support, reactions)), from_ground(supported(robot, equations, support, ground)),
-      torque(joint_torques(robot, motor_forces(equations)))
+    : method(used), clamped(was_clamped), relaxed(was_relaxed), ground(about_ankles(equations, support, reactions)),
+      from_ground(supported(robot, equations, support, ground)), torque(joint_torques(robot, motor_forces(equations)))
 {
+  // in parts of a size that the compiler knows: a copy of any size calls memmove, 1/30 of the rows "single support" of
+  // tools/bench
+  w.resize(reactions.size());
+  for (const Side side : kSides)
+  {
+    const int row = support.row(side), components = wrench_components(support.of(side));
+    if (components > 0)
+      w.segment<2>(row) = reactions.segment<2>(row);
+    if (components == 3)
+      w(row + 2) = reactions(row + 2);
+  }
 }
 
 Result<TorqueSolution> solve_torques(const Robot& robot, const SupportEquations& equations, const Support& support,

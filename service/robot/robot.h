@@ -286,23 +286,23 @@ template <typename Force> double largest_left(const Robot& robot, const Force& f
 }
 
 /// B⁺ f: the torques that give f, if any do; else all rows but a floating root's are met. force: f by its row, from θ's
-/// on.
-template <typename Force> PaddedJoints padded_joint_torques(const Robot& robot, const Force& force)
+/// on. torque: kMaxJoints long; written in whole blocks of joints, with 0 beyond the last.
+template <typename Force, typename Torque>
+void write_joint_torques(const Robot& robot, const Force& force, Torque& torque)
 {
-  PaddedJoints torque = PaddedJoints::Zero();
   for (int j = 0; j < robot.num_joints(); j += kJointBlock)
   {
     JointBlock sum = JointBlock::Zero();
     for (int c = 0; c < robot.mechanism.num_theta(); ++c)
       sum += force(c) * robot.B_inverse.block<kJointBlock, 1>(j, c);
-    torque.segment<kJointBlock>(j) = sum;
+    torque.template segment<kJointBlock>(j) = sum;
   }
-  return torque;
 }
+/// The same, as many as there are joints.
 template <typename Force> VectorJ joint_torques(const Robot& robot, const Force& force)
 {
   VectorJ torque(kMaxJoints);
-  torque.head<kMaxJoints>() = padded_joint_torques(robot, force);
+  write_joint_torques(robot, force, torque);
   torque.conservativeResize(robot.num_joints());
   return torque;
 }

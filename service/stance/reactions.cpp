@@ -141,10 +141,15 @@ ReactionTorques reaction_torques(const Robot& robot, const SupportEquations& equ
 
   // τ0 and T, two joints at a time, and three columns, whatever their number
   ReactionTorques found;
-  found.tau0 = padded_joint_torques(robot, equations.r);
   found.T.resize(kMaxJoints, 3);
   auto T = found.T.leftCols<3>();
-  T.setZero();
+  for (int j = 0; j < kMaxJoints; j += kJointBlock)
+    if (j >= rows)
+    {
+      found.tau0.segment<kJointBlock>(j).setZero();
+      T.middleRows<kJointBlock>(j).setZero();
+    }
+  write_joint_torques(robot, equations.r, found.tau0);
   for (int j = 0; j < rows; j += 2)
   {
     const Columns& one = given[static_cast<std::size_t>(j)];
