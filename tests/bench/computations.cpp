@@ -407,8 +407,8 @@ void promise_all(const std::string& robot, const std::string& mujoco, Rounds& ro
       rounds.promise({robot, std::string(known.name), "single support", 2.0});
   rounds.promise({robot + ", call by call", "constrained p50", "single support p50", 4.0});
   // at the measured walk's 99th percentile windows give way: four programs in turn
-  rounds.promise({robot + ", call by call", "constrained p99", "single support p50",
-                  robot == "human-subject01" ? 40.0 : 10.0});
+  rounds.promise(
+      {robot + ", call by call", "constrained p99", "single support p50", robot == "human-subject01" ? 40.0 : 10.0});
 }
 
 } // namespace
