@@ -3,6 +3,7 @@
 #include "matchers.h"
 #include "oracles.h"
 
+#include "methods/method.h"
 #include "robot/files/load.h"
 #include "robot/files/toml_robot.h"
 #include "wire/codec.h"
@@ -216,9 +217,10 @@ TEST_CASE("a field out of its range is refused by name", "[codec]")
        "load_transfer is 1.0000000000000002; expected 0 to 1"},
       {[](auto& m) { m.load_transfer = -1e-300; }, Reason::out_of_range, "load_transfer is -1e-300; expected 0 to 1"},
       {[](auto& m) { m.phase = 2.0; }, Reason::out_of_range, "phase is 2; expected 0 to 1"},
-      {[](auto& m) { m.method = 10; }, Reason::unknown_method,
-       "method is 10; expected DEFAULT (0), PSEUDO_INVERSE (1), LINEAR_TRANSITION (2), "},
-      {[](auto& m) { m.method = 11; }, Reason::unknown_method, "method is 11; expected DEFAULT (0), "},
+      {[](auto& m) { m.method = 99; }, Reason::unknown_method,
+       "method is 99; expected DEFAULT (0), PSEUDO_INVERSE (1), LINEAR_TRANSITION (2), "},
+      {[](auto& m) { m.method = static_cast<std::int8_t>(methods().size() + 1); }, Reason::unknown_method,
+       fmt::format("method is {}; expected DEFAULT (0), ", methods().size() + 1)},
       {[](auto& m) { m.method = -1; }, Reason::unknown_method, "method is -1; expected DEFAULT (0), "},
       {[](auto& m) { m.model_id = 5; }, Reason::wrong_model, "model_id is 5; expected"},
   };

@@ -780,4 +780,18 @@ TEST_CASE("every robot that stands on two feet is served by every method, and le
   CHECK(answered > 500 * (kStates / 40));
 }
 
+TEST_CASE("methods stand in the order of their numbers, whatever order they are listed in", "[double_support]")
+{
+  std::vector<MethodRow> rows(methods().rbegin(), methods().rend());
+  const std::vector<MethodRow> sorted = by_number(rows);
+  for (std::size_t i = 0; i < sorted.size(); ++i)
+  {
+    CHECK(static_cast<std::size_t>(sorted[i].method) == i + 1);
+    CHECK(sorted[i].name == methods()[i].name);
+    CHECK(name_of(sorted[i].method) == sorted[i].name);
+  }
+  rows.back() = rows.front(); // one twice, one missing
+  CHECK_THROWS_AS(by_number(rows), std::logic_error);
+}
+
 } // namespace double_support_test

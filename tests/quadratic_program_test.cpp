@@ -610,7 +610,7 @@ TEST_CASE("a soft row that is far away changes nothing", "[quadratic_program]")
   // what one row shrinks by is too little to be divided by
   RowList rows;
   rows.add(Eigen::VectorXd::Constant(1, 2e-155), -1e-10);
-  CHECK(solve(program_of(Eigen::MatrixXd::Identity(1, 1), Eigen::VectorXd::Zero(1), rows)).status == not_solved);
+  CHECK(solve(program_of(Eigen::MatrixXd::Identity(1, 1), Eigen::VectorXd::Zero(1), rows)).status != optimal);
 }
 
 TEST_CASE("rows that contradict each other by rounding have a solution between them", "[quadratic_program]")

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cctype>
 #include <fmt/format.h>
+#include <stdexcept>
 
 namespace torqued
 {
@@ -54,6 +55,16 @@ void MethodSettings::list(SettingList& settings)
       settings.table(table);
       row.list(of_method(row.method), settings);
     }
+}
+
+std::vector<MethodRow> by_number(std::vector<MethodRow> rows)
+{
+  std::ranges::sort(rows, {}, &MethodRow::method);
+  for (std::size_t i = 0; i < rows.size(); ++i)
+    if (static_cast<std::size_t>(rows[i].method) != i + 1)
+      throw std::logic_error(
+          fmt::format("{} has the number {}; expected {}", rows[i].name, static_cast<int>(rows[i].method), i + 1));
+  return rows;
 }
 
 std::string_view name_of(Method method)

@@ -70,6 +70,8 @@ MethodRow method_row(std::string_view name, Result<Reactions> (*choose)(const Do
 
 /// All methods, in the order of their numbers, from 1 on.
 const std::vector<MethodRow>& methods();
+/// Rows in that order. Throws std::logic_error if they are not numbered from 1 on, each once.
+std::vector<MethodRow> by_number(std::vector<MethodRow> rows);
 
 /// A method's name; "none" for Method::none and for any number that is no method.
 std::string_view name_of(Method method);

@@ -16,10 +16,19 @@ namespace torqued
 namespace
 {
 
+constexpr std::size_t kCount = 4, kEmptyText = 5; // bytes
+
+// bytes of a message without entries in its arrays and texts, after the fingerprint
+template <typename Message> std::size_t empty_size()
+{
+  static const int size = Message{}.getEncodedSize() - 8;
+  return static_cast<std::size_t>(size);
+}
+
 Cursor walk_desired_state(Bytes bytes)
 {
   Cursor cursor = after_fingerprint<desired_state_t>(bytes);
-  cursor.skip(3 * 8 + 6 + 8 * 8);
+  cursor.skip(empty_size<desired_state_t>() - kCount);
   cursor.skip(3 * 8 * cursor.count());
   return cursor;
 }
@@ -96,7 +105,7 @@ bool decode(Bytes bytes, desired_state_t& message)
 bool decode(Bytes bytes, torque_command_t& message)
 {
   Cursor cursor = after_fingerprint<torque_command_t>(bytes);
-  cursor.skip(5 * 8 + 1 + 4 + 2 * 5 * 8 + 4 * 8 + 4 + 3 * 8);
+  cursor.skip(empty_size<torque_command_t>() - 2 * kCount);
   const std::size_t coordinates = cursor.count();
   cursor.skip(8 * (coordinates + cursor.count()));
   return decode_checked(bytes, cursor, message);
@@ -105,7 +114,7 @@ bool decode(Bytes bytes, torque_command_t& message)
 bool decode(Bytes bytes, rejection_t& message)
 {
   Cursor cursor = after_fingerprint<rejection_t>(bytes);
-  cursor.skip(8 + 8 + 4);
+  cursor.skip(empty_size<rejection_t>() - kEmptyText);
   cursor.skip_text();
   return decode_checked(bytes, cursor, message);
 }
@@ -113,7 +122,7 @@ bool decode(Bytes bytes, rejection_t& message)
 bool decode(Bytes bytes, status_t& message)
 {
   Cursor cursor = after_fingerprint<status_t>(bytes);
-  cursor.skip(5 * 8 + 1 + 8 * 8 + 4 + 8 + 5 * 8);
+  cursor.skip(empty_size<status_t>() - kEmptyText);
   cursor.skip_text();
   return decode_checked(bytes, cursor, message);
 }
