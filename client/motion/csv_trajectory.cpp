@@ -187,8 +187,11 @@ private:
     const std::size_t both = std::min(cells.size(), names.size());
     const auto extra = cells.begin() + static_cast<std::ptrdiff_t>(both);
     const auto missing = names.begin() + static_cast<std::ptrdiff_t>(both);
-    if (std::all_of(extra, cells.end(), std::empty<std::string>) &&
-        std::all_of(missing, names.end(), std::empty<std::string>))
+    const auto is_empty = [](const std::string& text)
+    {
+      return text.empty();
+    };
+    if (std::all_of(extra, cells.end(), is_empty) && std::all_of(missing, names.end(), is_empty))
       return;
 
     const char separator = reader_.text().separator();
