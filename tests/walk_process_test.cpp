@@ -51,13 +51,10 @@ std::vector<std::byte> computed(torque_command_t command)
   return bytes;
 }
 
-} // namespace
-
-TEST_CASE("a walk through the daemon is answered sample for sample, and evaluated offline it gives the same bits",
-          "[walk_process]")
+// Sends the walk through a daemon of its own; returns what lcm-logger has written of the answers.
+std::vector<torque_command_t> recorded_walk(const TemporaryFolder& folder, const std::string& log)
 {
-  const TemporaryFolder folder;
-  const std::string log = folder.file("walk.lcm");
+  std::filesystem::remove(log);
   Process torqued({TORQUED, "--robot", "human-subject01", "--method", "human-transition", "--every-sample"},
                   folder.file("torqued"));
   Process logger({"lcm-logger", "--force", log}, folder.file("logger"));
@@ -74,15 +71,28 @@ TEST_CASE("a walk through the daemon is answered sample for sample, and evaluate
   const int sent = torquectl({"send", kWalk, "--speed", "2"}, folder.file("send"));
   CAPTURE(read_file(folder.file("send")));
   CHECK(sent == 0);
+  CHECK(read_file(folder.file("send")).find("447 of 447 samples answered, 0 lost, 0 rejected") != std::string::npos);
   // the logger writes what it holds when it hears more: the daemon's status
-  for (int i = 0; i < 500 && commands(log).size() < 447; ++i)
+  for (int i = 0; i < 250 && commands(log).size() < 447; ++i)
     std::this_thread::sleep_for(std::chrono::milliseconds(20));
   torqued.signal(SIGTERM);
   CHECK(torqued.wait() == 0);
   logger.signal(SIGTERM);
   logger.wait();
+  return commands(log);
+}
 
-  const std::vector<torque_command_t> live = commands(log);
+} // namespace
+
+TEST_CASE("a walk through the daemon is answered sample for sample, and evaluated offline it gives the same bits",
+          "[walk_process]")
+{
+  const TemporaryFolder folder;
+  const std::string log = folder.file("walk.lcm");
+  std::vector<torque_command_t> live = recorded_walk(folder, log);
+  // on a busy machine lcm-logger may lose what others hear: torquectl send has heard all answers each time
+  for (int again = 0; again < 2 && live.size() < 447; ++again)
+    live = recorded_walk(folder, log);
   REQUIRE(live.size() == 447);
   for (std::size_t i = 0; i < live.size(); ++i)
     REQUIRE(live[i].sequence == static_cast<std::int64_t>(i) + 1);
