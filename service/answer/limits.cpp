@@ -46,13 +46,13 @@ std::optional<Refusal> check_magnitude(const Robot& robot, const VectorJ& torque
 std::optional<Refusal> apply_limits(const Robot& robot, const AnswerSettings& settings, const Elapsed& elapsed,
                                     const StreamMemory& memory, VectorJ& torque, std::int32_t& flags)
 {
-  constexpr double rounding = 1.0 + 1e-9;
+  constexpr double rounding = 1.0 + 1e-9, torque_rounding = 1.0 + 2e-8; // motors that gave way have room of 1e-8
   const bool follows = elapsed.follows;
   const double dt = elapsed.seconds();
   for (int j = 0; j < robot.num_joints(); ++j)
   {
     const Actuator& actuator = robot.actuators[static_cast<std::size_t>(j)];
-    const bool is_over = std::abs(torque(j)) > actuator.torque_limit * rounding;
+    const bool is_over = std::abs(torque(j)) > actuator.torque_limit * torque_rounding;
     if (is_over)
     {
       flags |= flag::over_torque;
