@@ -187,6 +187,15 @@ TEST_CASE("torque limits are flagged, refused or clamped", "[answer]")
   // the equation of motion is off by what was cut, and says so
   CHECK(mismatch(clamped.dynamics_residual, 1.0, 1e-9) == "");
   CHECK(flagged.dynamics_residual < 1e-9);
+
+  // over by no more than constrained grants a motor that gave way, 1e-8, is not over
+  const auto is_over_by = [&](double share)
+  {
+    robot.actuators[2].torque_limit = hip / (1.0 + share);
+    return (answered(robot, {}, desired, memory).flags & flag::over_torque) != 0;
+  };
+  CHECK_FALSE(is_over_by(1e-8));
+  CHECK(is_over_by(4e-8));
 }
 
 TEST_CASE("torque-rate limits look at the stream's previous answer", "[answer]")

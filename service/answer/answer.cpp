@@ -52,8 +52,8 @@ struct Finite
 
   void operator()(const char*, double number) { sum += 0.0 * number; }
   void operator()(const char*, const Eigen::Vector2d& numbers) { sum += 0.0 * numbers.sum(); }
-  // Wrenches, torque and a are left out: the dynamics residual is no number if one of theirs is none, and their sums
-  // took 3 % of the rows "single support" of tools/bench.
+  // Wrenches, torque and a are left out, for the rows "single support" of tools/bench: the dynamics residual is no
+  // number if one of theirs is none.
   void operator()(const char*, const GroundReaction& foot) { sum += 0.0 * (foot.cop + foot.friction_ratio); }
   void operator()(const char*, const VectorQ&) {}
   void operator()(const char*, std::int32_t) {}

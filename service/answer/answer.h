@@ -12,7 +12,7 @@ namespace torqued
 /// What is published for a desired state that was answered.
 struct Answer
 {
-  Answer() {} // or a variant would zero all of its bytes first, 3 % of the rows "single support" of tools/bench
+  Answer() {} // or a variant would zero all of its bytes first; rows "single support" of tools/bench
 
   std::int64_t utime = 0, stream_id = 0;
   Method method = Method::none;

@@ -44,8 +44,8 @@ struct Elapsed
 };
 Elapsed elapsed_since(const StreamMemory& memory, const DesiredState& desired, const std::optional<OwnClock>& clock);
 
-/// Whether check_magnitude() and apply_limits() find nothing. They need not be called then; that they were took 1/20 of
-/// the rows "single support" of tools/bench.
+/// Whether check_magnitude() and apply_limits() would find nothing, so that they need not be called: for the rows
+/// "single support" of tools/bench. torque: N m (N of a slide), in actuator order; a number that is NaN keeps none.
 inline bool keeps_limits(const Robot& robot, const Elapsed& elapsed, const StreamMemory& memory, const VectorJ& torque)
 {
   const double most = kMostTorque * robot.weight() * std::min(robot.leg_length, 1.0);

@@ -58,7 +58,7 @@ TorqueSolution::TorqueSolution(const Robot& robot, const SupportEquations& equat
     : method(used), clamped(was_clamped), relaxed(was_relaxed), ground(about_ankles(equations, support, reactions)),
       from_ground(supported(robot, equations, support, ground)), torque(joint_torques(robot, motor_forces(equations)))
 {
-  // in parts of a size that the compiler knows: a copy of any size calls memmove, 1/30 of the rows "single support" of
+  // in parts of a size that the compiler knows, because a copy of any size calls memmove; rows "single support" of
   // tools/bench
   w.resize(reactions.size());
   for (const Side side : kSides)
