@@ -1,6 +1,7 @@
 #include "attack_scale.h"
 #include "catch.h"
 #include "daemon_bench.h"
+#include "logger.h"
 #include "relay.h"
 
 #include <fmt/format.h>
@@ -350,11 +351,9 @@ TEST_CASE("a logger that is killed takes nothing with it but the end of its log"
   Bench bench;
   const TemporaryFolder folder;
   {
-    Process logger({"lcm-logger", "--quiet", folder.file("log")}, folder.file("out"));
-    bench.hear_for(300ms);
+    Logger logger(folder.file("log"), folder.file("out"));
     bench.stream(500ms);
-    logger.signal(SIGKILL);
-    logger.wait();
+    logger.end(SIGKILL);
   }
   bench.stream(200ms);
   bench.check_account();

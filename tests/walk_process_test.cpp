@@ -1,4 +1,5 @@
 #include "catch.h"
+#include "logger.h"
 #include "process.h"
 #include "temporary_folder.h"
 
@@ -54,20 +55,9 @@ std::vector<std::byte> computed(torque_command_t command)
 // Sends the walk through a daemon of its own; returns what lcm-logger has written of the answers.
 std::vector<torque_command_t> recorded_walk(const TemporaryFolder& folder, const std::string& log)
 {
-  std::filesystem::remove(log);
   Process torqued({TORQUED, "--robot", "human-subject01", "--method", "human-transition", "--every-sample"},
                   folder.file("torqued"));
-  Process logger({"lcm-logger", "--force", log}, folder.file("logger"));
-  const auto size = [](const std::string& file)
-  {
-    std::error_code none;
-    const auto bytes = std::filesystem::file_size(file, none);
-    return none ? 0 : bytes;
-  };
-  // the logger has heard the daemon: both are on the bus
-  for (int i = 0; i < 1000 && size(log) == 0; ++i)
-    std::this_thread::sleep_for(std::chrono::milliseconds(10));
-
+  Logger logger(log, folder.file("logger"));
   const int sent = torquectl({"send", kWalk, "--speed", "2"}, folder.file("send"));
   CAPTURE(read_file(folder.file("send")));
   CHECK(sent == 0);
@@ -77,8 +67,7 @@ std::vector<torque_command_t> recorded_walk(const TemporaryFolder& folder, const
     std::this_thread::sleep_for(std::chrono::milliseconds(20));
   torqued.signal(SIGTERM);
   CHECK(torqued.wait() == 0);
-  logger.signal(SIGTERM);
-  logger.wait();
+  logger.end();
   return commands(log);
 }
 
