@@ -96,7 +96,8 @@ private:
   double violation(int i, const Vector& at) const { return a_[i].dot(at) - b_[i]; }
   // what a violation is measured against
   double scale(int i) const { return std::max({a_[i].norm() * y.norm(), std::abs(b_[i]), 1.0}); }
-  double force(int i, const PerRow& multipliers) const { return std::abs(multipliers[i]) * a_[i].norm(); }
+  // |λ_i a_i|, of row i's term in the gradient of the Lagrangian
+  double term(int i, const PerRow& multipliers) const { return std::abs(multipliers[i]) * a_[i].norm(); }
 
   // the row outside the working set that is violated most; -1 if none is
   int most_violated() const
@@ -116,19 +117,19 @@ private:
   // of the conditions of the minimum, the largest; each over what it is the difference of, or 1
   double residual() const
   {
-    Vector forces = H_ * y + g_;
+    Vector gradient = H_ * y + g_;
     double largest = std::max({H_norm_ * y.norm(), g_.norm(), 1.0}), worst = 0.0;
     for (const int i : Each(active))
     {
-      forces += lambda[i] * a_[i];
-      largest = std::max(largest, force(i, lambda));
+      gradient += lambda[i] * a_[i];
+      largest = std::max(largest, term(i, lambda));
       const double lacks = violation(i, y) - (soft_[i] ? lambda[i] : 0.0);
       worst = std::max(worst, std::abs(lacks) / scale(i));
     }
-    return std::max(forces.norm() / largest, worst);
+    return std::max(gradient.norm() / largest, worst);
   }
 
-  // Solves with the working set, and drops from it what pulls.
+  // Solves with the working set, and drops from it, one by one, the rows whose multipliers are negative.
   void settle()
   {
     for (int worst = 0; worst >= 0;)
@@ -139,9 +140,9 @@ private:
       worst = -1;
       double most = kRounding * std::max({H_norm_ * y.norm(), g_.norm(), 1.0});
       for (const int i : Each(active))
-        if (lambda[i] < 0.0 && force(i, lambda) > most)
+        if (lambda[i] < 0.0 && term(i, lambda) > most)
         {
-          most = force(i, lambda);
+          most = term(i, lambda);
           worst = i;
         }
       if (worst >= 0)
@@ -194,10 +195,10 @@ private:
   {
     double largest = 0.0;
     for (const int i : Each(moving))
-      largest = std::max(largest, force(i, change));
+      largest = std::max(largest, term(i, change));
     int first = -1;
     for (const int i : Each(active))
-      if (change[i] < 0.0 && lambda[i] < -t * change[i] && force(i, change) > kRounding * largest)
+      if (change[i] < 0.0 && lambda[i] < -t * change[i] && term(i, change) > kRounding * largest)
       {
         t = lambda[i] / -change[i];
         first = i;
@@ -254,7 +255,7 @@ private:
     for (const int i : Each(soft_in_J_))
       multipliers[i] = violation(i, at);
   }
-  // adds what takes over a force, of which `along` are the shares in J, to the multipliers of the hard rows
+  // lets the hard rows' multipliers take over a gradient g: adds −R⁻¹ J₁ᵀ g, `along` being Jᵀ g
   void take_over(const Vector& along, PerRow& multipliers) const
   {
     Vector more = -along;

@@ -26,7 +26,7 @@ struct Rows
 {
   Bounded<kMaxRows, kMaxVariables> A;
   BoundedVector<kMaxRows> b;
-  std::bitset<kMaxRows> soft; ///< may be violated, at a price
+  std::bitset<kMaxRows> soft; ///< may be violated, by v_i, which costs ½ v_i²
 
   int size() const { return static_cast<int>(b.size()); }
 };
