@@ -45,7 +45,7 @@ struct HumanTransition
 ///
 /// It needs no past and no future: the same desired state has the same answer. Sources: that trailing and leading foot
 /// share the load smoothly, and horizontally otherwise than vertically [Ren, Jones, Howard 2008]; the rest follows
-/// measured walking (README, Measured walking).
+/// measured walking (torqued-accuracy(7)).
 ///
 /// Refuses: numerical.
 Result<Reactions> human_transition(const Robot& robot, const SupportEquations& equations, const Support& support,
