@@ -8,10 +8,14 @@ torqued=''
 trap 'kill $torqued 2> /dev/null || true; rm -rf "$folder"' EXIT
 cmake --install "$build" --prefix "$folder/usr" > "$folder/install.log"
 
-# the daemon alone; and nothing as long as something is not built
+# the daemon alone, with its man pages; and nothing as long as something is not built
 cmake --install "$build" --component torqued --prefix "$folder/daemon" > "$folder/component.log"
-[ "$(cd "$folder/daemon" && find . -type f | sort | tr '\n' ' ')" = \
+[ "$(cd "$folder/daemon" && find . -type f ! -path './share/man/*' | sort | tr '\n' ' ')" = \
   './bin/torqued ./lib/systemd/system/torqued.service ./lib/systemd/system/torqued@.service ' ]
+for page in man1/torqued.1 man5/torqued.toml.5 man5/torqued-robot.5 man7/torqued-running.7; do
+  [ -s "$folder/daemon/share/man/$page" ]
+done
+[ ! -e "$folder/daemon/share/man/man1/torquectl.1" ]
 sed 's|/libtorqued-client[.]a|/nothing.a|' "$build/cmake_install.cmake" > "$folder/broken.cmake"
 if cmake -D CMAKE_INSTALL_PREFIX="$folder/nothing" -P "$folder/broken.cmake" > "$folder/broken.log" 2>&1; then exit 1; fi
 tr -s ' \n' ' ' < "$folder/broken.log" | grep -q 'nothing.a is not built, and nothing was installed'

@@ -1,5 +1,6 @@
 # Writes a man page from what a program says of itself:
-#   cmake -D PROGRAM=… -D SUBCOMMAND=… -D VERSION=… -D HELP2MAN=… -D PAGE=…/torquectl-send.1 -P man_page.cmake
+#   cmake -D PROGRAM=… -D SUBCOMMAND=… -D VERSION=… -D HELP2MAN=… -D PAGE=…/torquectl-send.1
+#         -D SEE_ALSO="torqued(1) torqued-signs(7)" -P man_page.cmake
 execute_process(COMMAND ${PROGRAM} ${SUBCOMMAND} --help OUTPUT_VARIABLE help COMMAND_ERROR_IS_FATAL ANY)
 get_filename_component(name ${PROGRAM} NAME)
 get_filename_component(folder ${PAGE} DIRECTORY)
@@ -16,7 +17,9 @@ if(example_at GREATER -1)
   string(REPLACE "\\" "\\e" example "${example}")
   set(example "[example]\n.nf${example}.fi\n\n")
 endif()
-string(APPEND example "[see also]\n.BR torqued (1),\n.BR torquectl (1)\n")
+string(REGEX REPLACE "([^ ]+)([(][0-9][)])" ".BR \\1 \\2" see_also "${SEE_ALSO}")
+string(REGEX REPLACE "([)]) " "\\1,\n" see_also "${see_also}")
+string(APPEND example "[see also]\n.ad l\n.nh\n${see_also}\n")
 file(WRITE ${folder}/${page}.example "${example}")
 file(WRITE ${folder}/${page}.help "${help}\n")
 file(WRITE ${folder}/${page} "#!/bin/sh\ncat \"$0.help\"\n")
