@@ -11,7 +11,7 @@ cmake --install "$build" --prefix "$folder/usr" > "$folder/install.log"
 # the daemon alone, with its man pages; and nothing as long as something is not built
 cmake --install "$build" --component torqued --prefix "$folder/daemon" > "$folder/component.log"
 [ "$(cd "$folder/daemon" && find . -type f ! -path './share/man/*' | sort | tr '\n' ' ')" = \
-  './bin/torqued ./lib/systemd/system/torqued.service ./lib/systemd/system/torqued@.service ' ]
+  './bin/torqued ./lib/systemd/system/torqued.service ./lib/systemd/system/torqued@.service ./share/bash-completion/completions/torqued ' ]
 for page in man1/torqued.1 man5/torqued.toml.5 man5/torqued-robot.5 man7/torqued-running.7; do
   [ -s "$folder/daemon/share/man/$page" ]
 done
@@ -33,6 +33,10 @@ for subcommand in $("$folder/usr/bin/torquectl" --help | sed -n '/^Subcommands:/
 done
 grep -q '^Example' "$folder/usr/share/man/man1/torquectl-send.1"
 grep -q '^torqued  *\\-  *hears desired' "$folder/usr/share/man/man1/torqued.1"
+
+# the measured walk, with its licence
+[ -f "$folder/usr/share/torqued/trajectories/subject01-walk/walk.csv" ]
+grep -q 'Creative Commons' "$folder/usr/share/torqued/trajectories/subject01-walk/README.md"
 
 # where the package is, it says itself; this one has been put elsewhere
 PKG_CONFIG_PATH=$(dirname "$(find "$folder/usr" -name torqued-client.pc)")
