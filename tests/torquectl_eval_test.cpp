@@ -1,5 +1,5 @@
 #include "catch.h"
-#include "methods/method.h"
+#include "methods/method_settings.h"
 
 #include "daemon/lcm_loop.h"
 #include "daemon/lcm_receiver.h"

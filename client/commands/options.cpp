@@ -1,6 +1,6 @@
 #include "commands/options.h"
 
-#include "methods/method.h"
+#include "methods/method_settings.h"
 #include "motion/differentiation.h"
 #include "motion/failure.h"
 #include "robot/files/load.h"

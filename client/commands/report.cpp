@@ -2,7 +2,7 @@
 #include "commands/options.h"
 #include "commands/robot_choice.h"
 #include "commands/subcommands.h"
-#include "methods/method.h"
+#include "methods/method_settings.h"
 #include "motion/console.h"
 #include "motion/files.h"
 #include "motion/lcm_log.h"

@@ -1,6 +1,6 @@
 #include "motion/csv_trajectory.h"
 
-#include "methods/method.h"
+#include "methods/method_settings.h"
 #include "motion/column_names.h"
 #include "motion/csv_lines.h"
 #include "motion/differentiation.h"

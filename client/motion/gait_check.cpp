@@ -6,6 +6,7 @@
 
 #include "answer/answer.h"
 #include "motion/gait_parts.h"
+#include "stance/checks.h"
 
 #include <algorithm>
 #include <cmath>

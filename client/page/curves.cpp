@@ -1,5 +1,7 @@
 #include "page/curves.h"
 
+#include "stance/contacts.h"
+
 #include <algorithm>
 #include <array>
 #include <cmath>

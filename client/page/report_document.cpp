@@ -2,6 +2,7 @@
 #include "page/curves.h"
 #include "page/drawing.h"
 #include "page/report_page.h"
+#include "stance/checks.h"
 #include "study/answer_table.h"
 #include "study/world_path.h"
 

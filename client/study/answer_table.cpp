@@ -1,6 +1,6 @@
 #include "study/answer_table.h"
 
-#include "methods/method.h"
+#include "methods/method_settings.h"
 #include "motion/csv_lines.h"
 #include "stance/checks.h"
 #include "wire/command_fields.h"

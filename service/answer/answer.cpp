@@ -1,6 +1,7 @@
 #include "answer/answer.h"
 
 #include "methods/torque_solution.h"
+#include "stance/checks.h"
 #include "stance/projection.h"
 #include "wire/command_fields.h"
 #include "wire/finite.h"

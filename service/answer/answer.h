@@ -2,6 +2,8 @@
 #pragma once
 
 #include "answer/limits.h"
+#include "stance/flags.h"
+#include "stance/ground_reaction.h"
 
 #include <cstdint>
 #include <optional>

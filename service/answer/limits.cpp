@@ -1,5 +1,7 @@
 #include "answer/limits.h"
 
+#include "stance/flags.h"
+
 #include <algorithm>
 #include <cmath>
 #include <limits>

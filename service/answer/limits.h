@@ -2,8 +2,11 @@
 #pragma once
 
 #include "answer/settings.h"
-#include "stance/checks.h"
+#include "robot/robot.h"
+#include "stance/refusal.h"
 
+#include <algorithm>
+#include <cmath>
 #include <optional>
 
 namespace torqued

@@ -1,5 +1,7 @@
 #include "answer/settings.h"
 
+#include "methods/method.h"
+
 #include "robot/fnv.h"
 
 #include <array>

@@ -1,7 +1,7 @@
 /// The settings that change answers.
 #pragma once
 
-#include "methods/method.h"
+#include "methods/method_settings.h"
 
 #include <cstdint>
 

@@ -2,40 +2,17 @@
 /// what the rule is, what can be set, and its number and name.
 #pragma once
 
-#include "methods/setting_list.h"
+#include "methods/method_settings.h"
 #include "stance/reactions.h"
 #include "stance/refusal.h"
 
 #include <any>
-#include <string>
 #include <string_view>
 #include <utility>
 #include <vector>
 
 namespace torqued
 {
-
-/// The settings of all methods, each method's a struct of its own, Settings. Settings::kMethod: whose they are.
-class MethodSettings
-{
-public:
-  /// The methods' own defaults.
-  MethodSettings();
-
-  Method method = Method::constrained; ///< used when the desired state asks for none
-  bool relax = true; ///< constrained: conditions that cannot be met are violated as little as can be; else refused
-
-  template <typename Settings> Settings& of() { return *std::any_cast<Settings>(&of_method(Settings::kMethod)); }
-  template <typename Settings> const Settings& of() const { return const_cast<MethodSettings&>(*this).of<Settings>(); }
-
-  /// Those of each method that has any, in a table of the method's name, with _ for -.
-  void list(SettingList& settings);
-
-private:
-  std::any& of_method(Method number) { return all_[static_cast<std::size_t>(number)]; }
-
-  std::vector<std::any> all_; // by the methods' numbers
-};
 
 /// One double support, and all that a rule chooses from.
 struct DoubleSupport
@@ -72,14 +49,5 @@ MethodRow method_row(std::string_view name, Result<Reactions> (*choose)(const Do
 const std::vector<MethodRow>& methods();
 /// Rows in that order. Throws std::logic_error if they are not numbered from 1 on, each once.
 std::vector<MethodRow> by_number(std::vector<MethodRow> rows);
-
-/// A method's name; "none" for Method::none and for any number that is no method.
-std::string_view name_of(Method method);
-/// The method of a name; none if there is no such method.
-Method method_named(std::string_view name);
-/// The names, as a list in words.
-std::string method_names();
-/// Names and numbers as messages have them: "DEFAULT (0), PSEUDO_INVERSE (1), …".
-extern const std::string kMethodNumbers;
 
 } // namespace torqued

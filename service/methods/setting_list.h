@@ -2,7 +2,7 @@
 /// SettingList, which a listing function calls with one setting after another.
 #pragma once
 
-#include "stance/reactions.h"
+#include "robot/robot.h"
 
 #include <limits>
 #include <optional>

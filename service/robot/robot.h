@@ -30,6 +30,8 @@ inline constexpr std::size_t kLongestName = 64;
 bool is_name(std::string_view text);
 /// One number per actuator.
 using VectorJ = BoundedVector<kMaxJoints>;
+/// W of ½ τᵀ W τ, joints × joints, symmetric and positive definite; empty: the unit matrix.
+using JointWeights = Bounded<kMaxJoints, kMaxJoints>;
 /// A SIMD block of joints: small products are fast where the compiler knows the number of rows.
 inline constexpr int kJointBlock = 8;
 using JointBlock = Eigen::Matrix<double, kJointBlock, 1>;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "stance/desired_state.h"
+#include "stance/ground_reaction.h"
 #include "stance/refusal.h"
 
 #include "planar/kinematics.h"
@@ -78,12 +79,6 @@ inline FootPose foot_pose(const Robot& robot, const Kinematics& now, const Foot&
 {
   return foot_pose(robot, now, foot, position(now, foot.ankle));
 }
-
-/// The wrench (N, N m) of the ground on one foot: force, and moment about the ankle.
-struct Wrench
-{
-  double fx = 0.0, fz = 0.0, moment = 0.0;
-};
 
 /// A foot in contact, as seen from the base point: all that its leg's arms are turned into W for.
 struct StandingFoot

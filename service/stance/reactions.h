@@ -79,9 +79,6 @@ struct ReactionTorques
 ReactionTorques reaction_torques(const Robot& robot, const SupportEquations& equations, const Support& support,
                                  const AdmissibleReactions& all);
 
-/// W of ½ τᵀ W τ, joints × joints, symmetric and positive definite; empty: the unit matrix.
-using JointWeights = Bounded<kMaxJoints, kMaxJoints>;
-
 /// τᵀ W τ of τ = τ0 + T y: with W = Uᵀ U it is |U T y + U τ0|².
 SumOfSquares torque_squares(const Robot& robot, const ReactionTorques& torques, const JointWeights& weights);
 

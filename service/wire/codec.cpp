@@ -1,6 +1,6 @@
 #include "wire/codec.h"
 
-#include "methods/method.h"
+#include "methods/method_settings.h"
 #include "wire/fields.h"
 
 #include <array>
