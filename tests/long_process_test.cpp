@@ -365,7 +365,8 @@ TEST_CASE("a long run on a bad network keeps account, memory, descriptors, statu
 #ifdef ALLOCATION_GUARD                     // sanitizers keep what was freed
   CHECK(most_memory - least_memory <= 128); // LCM's buffers fill by and by, pages at a time
 #endif
-  CHECK(ratio < 3.0); // of a loop that slows down there would be more after ten minutes; other programs disturb it, too
+  if (minutes >= 10.0) // then a loop that slows down shows; before, other programs disturb it as much
+    CHECK(ratio < 3.0);
   bench.torqued().signal(SIGTERM);
   CHECK(bench.torqued().wait() == 0);
 }
