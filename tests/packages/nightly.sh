@@ -3,6 +3,7 @@
 # shellcheck disable=SC2016,SC2317 # row calls the steps, and what is quoted is for inner shells
 set -euo pipefail
 cd "$(dirname "$0")/../.."
+case ${1:-} in -*) exec tools/test --help ;; esac
 if [ "$(id -u)" -ne 0 ]; then
   echo "tools/test --nightly: packages are installed into folders of their own, which needs root" >&2
   exit 77
@@ -12,7 +13,7 @@ releases=("$@")
 [ $# -gt 0 ] || releases=(bookworm trixie)
 unset LCM_DEFAULT_URL
 export PATH=/usr/local/sbin:/usr/local/bin:/usr/sbin:/usr/bin:/sbin:/bin LC_ALL=C.UTF-8
-: "${SOURCE_DATE_EPOCH:=$(git log -1 --format=%ct 2> /dev/null || stat --format=%Y CHANGELOG.md)}"
+: "${SOURCE_DATE_EPOCH:=$({ [ -e .git ] && git log -1 --format=%ct; } 2> /dev/null || stat --format=%Y CHANGELOG.md)}"
 export SOURCE_DATE_EPOCH
 out=$PWD/build/nightly
 mkdir -p "$out"

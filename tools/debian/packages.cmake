@@ -5,6 +5,10 @@ if(NOT CMAKE_INSTALL_PREFIX STREQUAL "/usr")
   message(FATAL_ERROR "TORQUED_PACKAGES is set, and CMAKE_INSTALL_PREFIX is \"${CMAKE_INSTALL_PREFIX}\"; packages go to /usr")
 endif()
 
+if("$ENV{SOURCE_DATE_EPOCH}" STREQUAL "")
+  message(FATAL_ERROR "TORQUED_PACKAGES is set, and SOURCE_DATE_EPOCH, the date that is in the packages, is not: tools/package sets it")
+endif()
+
 set(package_torqued torqued)
 set(package_torquectl torquectl)
 set(package_client libtorqued-client-dev)
