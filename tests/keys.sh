@@ -1,6 +1,7 @@
 #!/bin/bash
 # The keys of files in the pages that list them are those that the programs know, and flags and reasons those of the
-# messages. $1: torqued; $2: torquectl; $3, $4, $5: the pages torqued.toml(5), torqued-robot(5) and torqued-messages(7).
+# messages; and the methods. $1: torqued; $2: torquectl; $3 to $6: the pages torqued.toml(5), torqued-robot(5),
+# torqued-messages(7) and torqued-methods(7).
 set -eu
 export LC_ALL=C
 folder=$(mktemp -d)
@@ -112,3 +113,9 @@ compare "$5, flags"
 cells '## Rejections' > "$folder/page"
 numbered rejection_t | sort > "$folder/program"
 compare "$5, rejections"
+
+# the methods: each has its cell in the first table of the page
+awk '/^\| method \| chooses/ { inside = 1; next } !/^\|/ { inside = 0 } inside' "$6" | sed -E 's/^\| ([^|]*) \|.*/\1/' |
+  grep -o '`[a-z-]*`' | tr -d '\140' | sort > "$folder/page"
+"$1" --robot ck --method nonsense 2>&1 | tr ' ,;' '\n\n\n' | grep -xE '[a-z]+-[a-z]+|constrained' | sort -u > "$folder/program" || true
+compare "$6, methods"

@@ -18,6 +18,15 @@ for page in $(cd "$source" && find client lcmtypes service tests -name '*.[57].m
     *NAME*"${name%.*} - "*) ;;
     *) echo "man_pages: $name does not begin with its name and subject" >&2; exit 1 ;;
   esac
+  tables=$(grep -c '^|[-:| ]*$' "$source/$page" || true)
+  if [ "$(grep -c '^\.TS' "$pages/$name")" -ne "$tables" ]; then
+    echo "man_pages: $page has $tables tables, and $name $(grep -c '^\.TS' "$pages/$name")" >&2
+    exit 1
+  fi
+  # each heading is there, to the last
+  grep '^##' "$source/$page" | sed 's/^#* //; s/[`*]//g' | while IFS= read -r heading; do
+    printf '%s\n' "$text" | tr -s ' \n' ' ' | grep -qiF -- "${heading%%[^a-zA-Z ]*}" || { echo "man_pages: $name lacks $heading" >&2; exit 1; }
+  done
   if printf '%s\n' "$text" | grep -n '\.md\|](' >&2; then
     echo "man_pages: $name has links of the sources" >&2
     exit 1

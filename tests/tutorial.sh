@@ -14,10 +14,14 @@ export PKG_CONFIG_PATH
 mkdir "$folder/here"
 awk '/^```/ { sh = /^```sh$/; next } sh' "$page" > "$folder/commands"
 awk '/^```/ { inside = !inside; text = inside && /^```$/; next } text' "$page" > "$folder/expected"
-[ "$(wc -l < "$folder/commands")" -ge 50 ] # of one page; a page without commands would pass everything
+# a page without either would pass everything
+if [ "$(wc -l < "$folder/commands")" -lt 50 ] || [ "$(grep -c '[^ …]' "$folder/expected")" -lt 10 ]; then
+  echo "tutorial: $page has $(wc -l < "$folder/commands") lines of commands and $(wc -l < "$folder/expected") of what they print" >&2
+  exit 1
+fi
 
 # a daemon is left behind only where a command fails
-echo 'trap '\''echo "${torqued:-}" > ../daemon'\'' EXIT' | cat - "$folder/commands" > "$folder/script"
+echo 'trap '\''[ $? -eq 0 ] || echo "${torqued:-}" > ../daemon'\'' EXIT' | cat - "$folder/commands" > "$folder/script"
 if ! (cd "$folder/here" && sh -eu ../script) > "$folder/output" 2>&1; then
   cat "$folder/output"
   echo "tutorial: a command failed; above is what was printed before" >&2

@@ -29,8 +29,8 @@ awk -v name="$name" '
     -e 's/\[([^][]*)\]\([^):]*\)/\1/g' |
   "$lowdown" -s -Tman --parse-no-intraemph --out-no-smarty \
     -m "title=$name" -m "section=$section" -m "source=torqued $version" -m "volume=torqued" |
-  # Code is bold, and its hyphens are no places to break a line. Of a table that is too wide for a line of 80 characters the widest columns of words share what the
-  # others leave. No word is cut.
+  # Code is bold, and its hyphens are no places to break a line. Of a table that is too wide for a line of 80 characters
+  # the widest columns of words share what the others leave. No word is cut.
   awk '
     function width(cell)
     {
@@ -62,7 +62,7 @@ awk -v name="$name" '
         shares[widest] = 1
         sum += 20 - most
       }
-      print ".TS\ntab(|);"
+      print ".TS"
       for (row = 0; row <= 1; ++row)
       {
         line = ""
@@ -74,7 +74,7 @@ awk -v name="$name" '
       {
         line = ""
         for (column = 1; column <= columns; ++column)
-          line = line "|" (shares[column] ? "T{\n" cells[row, column] "\nT}" : cells[row, column])
+          line = line "\t" (shares[column] ? "T{\n" cells[row, column] "\nT}" : cells[row, column])
         print substr(line, 2)
         if (row == 1) print "_"
       }

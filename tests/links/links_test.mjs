@@ -43,3 +43,16 @@ test("each page's first line is its name, section and subject", () => {
     assert.ok(readFileSync(join(source, file), "utf8").startsWith(`# ${name}(${section}): `), file);
   }
 });
+
+test("what a page is called is the page that is there", () => {
+  const pages = texts.map(file => file.match(/([^/]*)\.([57])\.md$/)).filter(Boolean).map(([, name, section]) => `${name}(${section})`);
+  for (const file of texts) {
+    const text = readFileSync(join(source, file), "utf8");
+    for (const [name] of text.matchAll(/\btorqued[a-z.-]*\([57]\)/g))
+      assert.ok(pages.includes(name), `${file} names ${name}, which is no page`);
+    visit(remark().parse(text), "link", link => {
+      const [, name, section] = link.children.map(child => child.value ?? "").join("").match(/^([a-z.-]+)\(([57])\)$/) ?? [];
+      assert.ok(!name || link.url.replace(/#.*/, "").endsWith(`${name}.${section}.md`), `${file}: ${name}(${section}) leads to ${link.url}`);
+    });
+  }
+});
