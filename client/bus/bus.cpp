@@ -96,7 +96,7 @@ bool Bus::wait_for_model(const Channels& channels)
   if (!model_ && !stopped())
     throw Failure(ExitCode::no_bus,
                   "no daemon has said on {} within {} s which robot it computes; is torqued running on this bus and "
-                  "network, with the same --prefix? Here {}",
+                  "network, with the same --prefix? torquectl doctor looks for what is wrong. Here {}",
                   channels.model, kModelPatience.count(), lcm_.trouble());
   return !stopped();
 }

@@ -121,6 +121,10 @@ std::pair<double, Eigen::Index> widest_row(const WrittenMotion& motion)
   return widest;
 }
 
+constexpr std::string_view kTakenForRadians =
+    "were taken to be in rad: if they are degrees, multiply angles, rates and "
+    "accelerations by pi / 180";
+
 std::optional<std::string> angle_doubt(const WrittenMotion& motion)
 {
   constexpr double turn = 2.0 * std::numbers::pi, widest = 3.5, largest_in_degrees = 720.0;
@@ -145,15 +149,14 @@ std::optional<std::string> angle_doubt(const WrittenMotion& motion)
     if (!(low <= high) || (size <= turn && (leaps || high - low <= widest)) || size <= largest)
       continue;
     largest = size;
-    doubt = fmt::format("angles seem to be in degrees, not in radians: column {} goes from {:.4g} to {:.4g}; they were "
-                        "taken to be in rad",
-                        motion.columns[static_cast<std::size_t>(j)], low, high);
+    doubt = fmt::format("angles seem to be in degrees, not in radians: column {} goes from {:.4g} to {:.4g}; they {}",
+                        motion.columns[static_cast<std::size_t>(j)], low, high, kTakenForRadians);
   }
   // two links at more than a turn from one another, and one link that was unwrapped apart
   if (const auto [width, row] = widest_row(motion); !doubt && width > 1.25 * turn)
     doubt = fmt::format("angles seem to be in degrees, not in radians: at time {:.6g} s two of them differ by {:.4g}; "
-                        "they were taken to be in rad",
-                        motion.times[static_cast<std::size_t>(row)], width);
+                        "they {}",
+                        motion.times[static_cast<std::size_t>(row)], width, kTakenForRadians);
   return largest <= largest_in_degrees ? doubt : std::nullopt;
 }
 
