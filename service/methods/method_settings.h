@@ -1,4 +1,4 @@
-/// The methods to who only names or sets them: method.h has what they do.
+/// The methods' names and settings, for those who only name or set them; method.h has what they do.
 #pragma once
 
 #include "methods/setting_list.h"
