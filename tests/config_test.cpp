@@ -52,6 +52,10 @@ TEST_CASE("an empty configuration gives the documented defaults", "[config]")
   CHECK(config.lcm_url.empty());
   CHECK(config.prefix.empty());
   CHECK_FALSE(config.every_sample);
+  CHECK_FALSE(config.lock_memory);
+  CHECK(config.scheduling.policy == Scheduling::Policy::other);
+  CHECK_FALSE(config.scheduling.priority);
+  CHECK(config.scheduling.cpus.empty());
   CHECK(config.max_age == 0.020);
   CHECK(config.deadline == 0.001);
   CHECK(config.answers.methods.method == Method::constrained);
@@ -85,6 +89,7 @@ lcm_url = "udpm://239.255.76.67:7667?ttl=0"
 prefix = "left/robot_"
 log_level = "off"
 every_sample = true
+lock_memory = true
 max_age = 0.1
 deadline = 3e-4
 method = "linear-transition"
@@ -117,6 +122,10 @@ trailing_cop = 0.75
 leading_cop = 0.25
 time_weight = 1
 fade = 0.5
+[scheduling]
+policy = "rr"
+priority = 99
+cpus = "0-2,7"
 )";
   for (const std::string& text : {std::string(), changed})
   {
@@ -145,6 +154,10 @@ fade = 0.5
   CHECK(methods.of<HumanTransition>().leading_cop == 0.25);
   CHECK(methods.of<HumanTransition>().time_weight == 1.0);
   CHECK(methods.of<HumanTransition>().fade == 0.5);
+  CHECK(config.lock_memory);
+  CHECK(config.scheduling.policy == Scheduling::Policy::rr);
+  CHECK(config.scheduling.priority == 99.0);
+  CHECK(processors(config.scheduling.cpus) == std::vector{0, 1, 2, 7});
   CHECK(to_toml(config) != to_toml(Config()));
 }
 
@@ -204,6 +217,26 @@ TEST_CASE("a bad configuration is refused with line, key and what would be right
         ":2: human_transition: time_weight: found 2; expected 0 to 1");
   CHECK(complaint("[human_transition]\nfade = 0.6") == ":2: human_transition: fade: found 0.6; expected 0 to 0.5");
   CHECK(complaint("[human_transition]\nshape = 1").starts_with(":2: human_transition: shape: is not known here"));
+  CHECK(complaint("lock_memory = 1") == ":1: lock_memory: found 1; expected true or false");
+  CHECK(complaint("[scheduling]\npolicy = \"deadline\"") ==
+        ":2: scheduling: policy: found \"deadline\"; expected one of: other, fifo, rr");
+  for (const std::string wrong : {"0", "100", "-1", "1.5"})
+    CHECK(complaint("[scheduling]\npolicy = \"fifo\"\npriority = " + wrong) ==
+          ":3: scheduling: priority: found " + wrong + "; expected \"none\", or a whole number from 1 to 99");
+  CHECK(
+      complaint("[scheduling]\npriority = 50") ==
+      ":2: scheduling: priority: found 50 with policy \"other\", which has none; expected policy = \"fifo\" or \"rr\" "
+      "beside it, or no priority");
+  CHECK(complaint("[scheduling]\npolicy = \"fifo\"") ==
+        ":1: scheduling: priority: found none with policy \"fifo\"; expected a whole number from 1 to 99, such as 50");
+  for (const std::string wrong : {"x", "2-", "-2", "3-2", "1024", "1,", ",1", "1,,2", "1 2", "0-99999999999", "0x1"})
+    CHECK(
+        complaint("[scheduling]\ncpus = \"" + wrong + "\"") ==
+        ":2: scheduling: cpus: found \"" + wrong +
+            "\"; expected processors as taskset lists them, such as \"2\", \"2,3\" or \"2-5\", with numbers from 0 to "
+            "1023");
+  CHECK(complaint("[scheduling]\ncpus = 2") == ":2: scheduling: cpus: found 2; expected a text in quotes");
+  CHECK(complaint("[scheduling]\ncpu = \"2\"").starts_with(":2: scheduling: cpu: is not known here"));
   CHECK(complaint("robot = ").starts_with(":1: not TOML: "));
   CHECK(complaint("max_age = 1e300").starts_with(":1: max_age: found 1e+300; expected a positive number of seconds"));
   CHECK(complaint("robot = \"a\\nb\"") == ":1: robot: found \"a?b\"; expected a text without control characters");
@@ -222,7 +255,8 @@ TEST_CASE("the settings id changes with every setting that changes answers, and 
   const std::int64_t plain = id("");
   CHECK(plain != 0);
   for (const std::string same : {"robot = \"human-subject01\"", "max_age = 1", "deadline = 1", "prefix = \"x\"",
-                                 "every_sample = true", "log_level = \"off\"", "lcm_url = \"memq://\""})
+                                 "every_sample = true", "log_level = \"off\"", "lcm_url = \"memq://\"",
+                                 "lock_memory = true", "[scheduling]\npolicy = \"rr\"\npriority = 1\ncpus = \"0\""})
     CHECK(id(same) == plain);
   for (const std::string other : {"consistency = \"refuse\"",
                                   "contact_speed_tolerance = 1",

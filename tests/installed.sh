@@ -11,7 +11,7 @@ cmake --install "$build" --prefix "$folder/usr" > "$folder/install.log"
 # the daemon alone, with its man pages; and nothing as long as something is not built
 cmake --install "$build" --component torqued --prefix "$folder/daemon" > "$folder/component.log"
 [ "$(cd "$folder/daemon" && find . -type f ! -path './share/man/*' | sort | tr '\n' ' ')" = \
-  './bin/torqued ./lib/systemd/system/torqued.service ./lib/systemd/system/torqued@.service ./share/bash-completion/completions/torqued ' ]
+  './bin/torqued ./lib/systemd/system/torqued.service ./lib/systemd/system/torqued@.service ./share/bash-completion/completions/torqued ./share/doc/torqued/realtime.conf ' ]
 if [ -d "$build/client/man" ]; then
   for page in man1/torqued.1 man5/torqued.toml.5 man5/torqued-robot.5 man7/torqued-running.7; do
     ls "$folder/daemon/share/man/$page"

@@ -6,6 +6,7 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <array>
+#include <charconv>
 #include <cmath>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -20,6 +21,8 @@ namespace
 {
 
 constexpr std::array<std::string_view, 7> kLogLevels{"trace", "debug", "info", "warn", "error", "critical", "off"};
+constexpr int kLastProcessor = 1023; // of the system's own sets
+constexpr std::array<std::string_view, 3> kPolicies{"other", "fifo", "rr"};
 
 void set_plain(std::string& text, const std::string& value)
 {
@@ -65,10 +68,24 @@ void list(Config& config, ConfigList& with)
   with.text("prefix", config.prefix, by(set_prefix), "stands before each channel's name");
   with.text("log_level", config.log_level, by(set_log_level), fmt::format("{}", fmt::join(kLogLevels, ", ")));
   with.boolean("every_sample", config.every_sample, "answer all samples in order instead of the newest");
+  with.boolean("lock_memory", config.lock_memory, "keep all memory of the process from being paged out");
   with.number("max_age", config.max_age, seconds(1.0),
               "s; five times this long without an accepted sample, and another stream may begin");
   with.number("deadline", config.deadline, seconds(3600.0), "s, arrival to publish");
   list(config.answers, with);
+  Scheduling& scheduling = config.scheduling;
+  with.table("scheduling");
+  with.word("policy", scheduling.policy, kPolicies, "of the thread that answers: other (as it is started), fifo or rr");
+  with.number_or("priority", scheduling.priority, "none",
+                 {1.0, 99.0, "\"none\", or a whole number from 1 to 99", false, true}, "1 to 99, of fifo and rr");
+  with.text(
+      "cpus", scheduling.cpus,
+      [&scheduling](const std::string& value)
+      {
+        processors(value);
+        scheduling.cpus = value;
+      },
+      "processors of the thread that answers, as taskset lists them: '2', '2,3', '2-5'; '': all");
 }
 
 // Reads each setting from a TOML file. finish() refuses all that is not a setting.
@@ -141,6 +158,9 @@ public:
     if (!table_)
       table_.emplace(none_, nowhere_);
   }
+
+  // Complains about a setting of the last table.
+  [[noreturn]] void fail(std::string_view key, const std::string& message) { in().fail(key, message); }
 
   void finish()
   {
@@ -258,6 +278,41 @@ void set_log_level(Config& config, const std::string& level)
   config.log_level = level;
 }
 
+std::vector<int> processors(const std::string& list)
+{
+  const std::invalid_argument wrong(
+      fmt::format("found \"{}\"; expected processors as taskset lists them, such as \"2\", \"2,3\" or \"2-5\", with "
+                  "numbers from 0 to {}",
+                  printable(list), kLastProcessor));
+  const char* at = list.data();
+  const char* const end = at + list.size();
+  const auto number = [&]
+  {
+    int found = -1;
+    const auto [rest, error] = std::from_chars(at, end, found);
+    if (error != std::errc() || found < 0 || found > kLastProcessor)
+      throw wrong;
+    at = rest;
+    return found;
+  };
+  std::vector<int> all;
+  while (at != end)
+  {
+    const int first = number();
+    const int last = at != end && *at == '-' ? (++at, number()) : first;
+    if (last < first || (at != end && (*at++ != ',' || at == end)))
+      throw wrong;
+    for (int processor = first; processor <= last; ++processor)
+      all.push_back(processor);
+  }
+  return all;
+}
+
+std::string_view name_of(Scheduling::Policy policy)
+{
+  return kPolicies[static_cast<std::size_t>(policy)];
+}
+
 Config read_config(const std::string& path)
 {
   return read_config(read_text_file(path), path);
@@ -271,6 +326,15 @@ Config read_config(std::string_view text, const std::string& file)
   config.lcm_url_set_by = "lcm_url in " + file;
   Reader reader(table);
   list(config, reader);
+  const auto& [policy, priority, cpus] = config.scheduling;
+  if (policy == Scheduling::Policy::other && priority)
+    reader.fail("priority", fmt::format("found {} with policy \"other\", which has none; expected policy = \"fifo\" or "
+                                        "\"rr\" beside it, or no priority",
+                                        *priority));
+  if (policy != Scheduling::Policy::other && !priority)
+    reader.fail("priority",
+                fmt::format("found none with policy \"{}\"; expected a whole number from 1 to 99, such as 50",
+                            name_of(policy)));
   reader.finish();
   return config;
 }

@@ -2,6 +2,7 @@
 #include "daemon/lcm_loop.h"
 #include "daemon/lcm_receiver.h"
 #include "daemon/multicast_receiver.h"
+#include "daemon/real_time.h"
 #include "robot/files/load.h"
 #include "robot/files/strict_toml.h"
 #include "text/printable.h"
@@ -214,6 +215,16 @@ catch (const std::system_error& error)
                                          bus_trouble(config.lcm_url, config.lcm_url_set_by))};
 }
 
+std::string real_time(const Config& config)
+try
+{
+  return enter_real_time(config);
+}
+catch (const std::runtime_error& error)
+{
+  throw Exit{EX_CONFIG, error.what()};
+}
+
 int serve(const Config& config)
 {
   if (config.robot.empty())
@@ -227,6 +238,8 @@ int serve(const Config& config)
   const auto log = spdlog::create_async_nb<spdlog::sinks::stderr_color_sink_mt>("torqued");
   log->set_formatter(printable_formatter());
   log->set_level(spdlog::level::from_str(config.log_level));
+  const std::function<void()> on_healthy = watchdog_beat();
+  const std::string effects = real_time(config); // all threads but this one run already
 
   if (const std::string fault = fault_between_processes(choose_bus(config.lcm_url, config.lcm_url_set_by));
       !fault.empty())
@@ -239,7 +252,7 @@ int serve(const Config& config)
   LcmLoop loop(
       bus, *receiver, robot, config, *log,
       {.dropped_logs = [pool = spdlog::thread_pool()] { return static_cast<std::int64_t>(pool->overrun_counter()); },
-       .on_healthy = watchdog_beat()});
+       .on_healthy = on_healthy});
   if (!loop.prove_bus(stop_fd) || !loop.listen())
   {
     if (pollfd stop{stop_fd, POLLIN, 0}; poll(&stop, 1, 0) > 0)
@@ -249,6 +262,8 @@ int serve(const Config& config)
   }
   log->info("answering {} on {}TORQUED_DESIRED, {:.1f} kg, {} joints, method {}", robot.name, config.prefix,
             robot.mechanism.mass(), robot.num_joints(), name_of(config.answers.methods.method));
+  if (!effects.empty())
+    log->info("real time: {}", effects);
   for (const std::string& note : robot.notes)
     log->warn(note);
   if (std::ranges::none_of(robot.feet, [](const Foot& foot) { return foot.exists(); }))

@@ -4,6 +4,7 @@
 
 #include "robot/robot.h"
 
+#include <cmath>
 #include <limits>
 #include <optional>
 #include <span>
@@ -19,8 +20,12 @@ struct Range
   double least, most;
   std::string expected;
   bool above_least = false; ///< the least itself is not one of them
+  bool whole = false;       ///< only whole numbers are
 
-  bool holds(double x) const { return (above_least ? x > least : x >= least) && x <= most; }
+  bool holds(double x) const
+  {
+    return (above_least ? x > least : x >= least) && x <= most && !(whole && x != std::trunc(x));
+  }
 };
 /// "0 to 1".
 Range from_0_to(double most);
