@@ -51,6 +51,10 @@ export PKG_CONFIG_PATH
 # shellcheck disable=SC2046 # words on purpose
 c++ -std=c++17 -Wall -Wextra -Werror "$folder/example/controller.cpp" -o "$folder/by_pkg_config" \
   $(pkg-config --cflags --libs --define-variable=prefix="$folder/usr" torqued-client)
+# and into a shared library, as of a plugin
+# shellcheck disable=SC2046 # words on purpose
+c++ -std=c++17 -fPIC -shared "$folder/example/controller.cpp" -o "$folder/plugin.so" -Wl,--no-undefined \
+  $(pkg-config --cflags --libs --define-variable=prefix="$folder/usr" torqued-client)
 
 "$folder/usr/bin/torqued" --robot ck 2> "$folder/torqued.log" &
 torqued=$!
