@@ -6,7 +6,7 @@
 #include <filesystem>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
-#include <ranges>
+#include <numeric>
 #include <sched.h>
 #include <stdexcept>
 #include <string_view>
@@ -87,7 +87,7 @@ std::vector<int> allowed_processors()
 std::string set_processors(const std::string& list)
 {
   const std::vector<int> asked = processors(list);
-  const auto run_on = [&list](const auto& processors)
+  const auto run_on = [&list](const std::vector<int>& processors)
   {
     cpu_set_t set;
     CPU_ZERO(&set);
@@ -97,7 +97,9 @@ std::string set_processors(const std::string& list)
       refuse(fmt::format("cpus = \"{}\"", list), "SystemCallFilter=sched_setaffinity");
   };
   // of too many the system leaves out, without a word, those that are not there
-  run_on(std::views::iota(0, CPU_SETSIZE));
+  std::vector<int> all(CPU_SETSIZE);
+  std::iota(all.begin(), all.end(), 0);
+  run_on(all);
   const std::vector<int> there = allowed_processors();
   for (const int processor : asked)
     if (std::ranges::find(there, processor) == there.end())
