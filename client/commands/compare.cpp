@@ -1,7 +1,6 @@
 #include "commands/offline.h"
 #include "commands/subcommands.h"
 #include "methods/constrained.h"
-#include "methods/method.h"
 #include "motion/console.h"
 #include "motion/files.h"
 #include "study/measured.h"
@@ -275,16 +274,17 @@ ExitCode compare(const CompareOptions& options)
   flush_denormals();
   std::vector<MethodRun> runs;
   AnswerSettings settings = config.answers;
-  for (const MethodRow& known : methods())
+  for (const Method method : all_methods())
   {
-    settings.methods.method = known.method;
-    if (known.method == Method::constrained && settings.methods.of<Constrained>().windows)
+    const std::string name(name_of(method));
+    settings.methods.method = method;
+    if (method == Method::constrained && settings.methods.of<Constrained>().windows)
     {
       settings.methods.of<Constrained>().windows = false;
-      runs.push_back(run_method(robot, settings, states, changes, fmt::format("{}, no windows", known.name)));
+      runs.push_back(run_method(robot, settings, states, changes, name + ", no windows"));
       settings.methods.of<Constrained>().windows = true;
     }
-    runs.push_back(run_method(robot, settings, states, changes, std::string(known.name)));
+    runs.push_back(run_method(robot, settings, states, changes, name));
   }
 
   std::vector<Part> parts{{"double_support", "in double support", {}},

@@ -1,5 +1,6 @@
 #include "methods/constrained.h"
 
+#include "methods/method.h"
 #include "methods/quadratic_program.h"
 #include "methods/zmp_transition.h"
 #include "planar/processors.h"

@@ -1,12 +1,17 @@
 /// Double support by optimisation under the conditions of contacts and motors.
 #pragma once
 
-#include "methods/method.h"
+#include "methods/method_settings.h"
+#include "stance/support_equations.h"
 
+#include <array>
 #include <optional>
 
 namespace torqued
 {
+
+struct AdmissibleReactions;
+struct Reactions;
 
 /// The least torque by which feet neither lift, slip nor tip and motors stay within their limits:
 ///

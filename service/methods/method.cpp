@@ -67,6 +67,14 @@ std::vector<MethodRow> by_number(std::vector<MethodRow> rows)
   return rows;
 }
 
+std::vector<Method> all_methods()
+{
+  std::vector<Method> all;
+  for (const MethodRow& row : methods())
+    all.push_back(row.method);
+  return all;
+}
+
 std::string_view name_of(Method method)
 {
   for (const MethodRow& row : methods())

@@ -12,6 +12,8 @@
 namespace torqued
 {
 
+/// In the order of their numbers, from 1 on.
+std::vector<Method> all_methods();
 /// A method's name; "none" for Method::none and for any number that is no method.
 std::string_view name_of(Method method);
 /// The method of a name; none if there is no such method.
