@@ -1,7 +1,5 @@
 #include "answer/settings.h"
 
-#include "methods/method.h"
-
 #include "robot/fnv.h"
 
 #include <array>
@@ -90,8 +88,8 @@ private:
 void list(AnswerSettings& settings, SettingList& with)
 {
   std::vector<std::string_view> names;
-  for (const MethodRow& row : methods())
-    names.push_back(row.name);
+  for (const Method each : all_methods())
+    names.push_back(name_of(each));
   const std::span<const std::string_view> all(kOnExcess), flag_or_refuse = all.first(2);
   int method = static_cast<int>(settings.methods.method) - 1;
   with.word("method", method, names, "used when the desired state asks for none");

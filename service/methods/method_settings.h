@@ -12,7 +12,7 @@
 namespace torqued
 {
 
-/// In the order of their numbers, from 1 on.
+/// All methods, in the order of their numbers, from 1 on.
 std::vector<Method> all_methods();
 /// A method's name; "none" for Method::none and for any number that is no method.
 std::string_view name_of(Method method);
