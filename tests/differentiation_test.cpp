@@ -513,6 +513,7 @@ TEST_CASE("units are told from their effect", "[differentiation]")
   }
   CHECK(doubt(1.0, 360.0 / kTurn, "time")
             .starts_with("angles seem to be in degrees, not in radians: column p1 goes from "));
+  CHECK(doubt(1.0, 360.0 / kTurn, "time").ends_with("multiply angles, rates and accelerations by pi / 180"));
   // standing still says nothing of time, and neither does a slow motion with its velocities
   CHECK(doubt_units(Recording({0.0, 1.0, 2.0, 3.0, 4.0, 5.0}, [](double) { return position(0.0); }).written)
             .sentences.empty());

@@ -219,6 +219,7 @@ TEST_CASE("without a bus, and without a daemon, each subcommand that needs one s
     const std::string said = read_file(folder.file(all[i][0]));
     CAPTURE(said);
     CHECK((said.find("is torqued running on this bus and network") != std::string::npos));
+    CHECK((said.find("torquectl doctor looks for what is wrong") != std::string::npos));
   }
 }
 
