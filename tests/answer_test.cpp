@@ -136,7 +136,7 @@ TEST_CASE("conditions that cannot be met are relaxed and flagged, or refused by 
   desired.method = Method::constrained;
   StreamMemory memory;
   AnswerSettings refuse;
-  refuse.methods.relax = false;
+  refuse.methods.infeasible = OnInfeasible::refuse;
   Answer found = answered(robot, {}, desired, memory);
   CHECK((found.flags & (flag::relaxed | flag::slips | flag::lifts | flag::tips)) == 0);
   CHECK(found.method == Method::constrained);

@@ -68,8 +68,12 @@ TEST_CASE("an empty configuration gives the documented defaults", "[config]")
   CHECK(config.answers.limits == OnExcess::flag);
   CHECK(config.answers.rate_limits == OnExcess::flag);
   CHECK_FALSE(config.answers.project);
+  CHECK(config.answers.nearest.metric == NearestMetric::mass);
+  CHECK(config.answers.nearest.contacts == NearestContacts::rest);
+  CHECK(config.answers.nearest.contact_damping == 0.0);
+  CHECK(config.answers.nearest.margin == 0.0);
   const MethodSettings& methods = config.answers.methods;
-  CHECK(methods.relax);
+  CHECK(methods.infeasible == OnInfeasible::relax);
   CHECK(methods.of<PseudoInverse>().weights.size() == 0);
   CHECK(methods.of<PseudoInverse>().reaction_weights == Eigen::Vector3d(1.0, 1.0, 1.0));
   CHECK_FALSE(methods.of<LinearTransition>().leading_cop);
@@ -122,6 +126,11 @@ trailing_cop = 0.75
 leading_cop = 0.25
 time_weight = 1
 fade = 0.5
+[nearest]
+metric = "angles"
+contacts = "as-desired"
+contact_damping = 40
+margin = 0.005
 [scheduling]
 policy = "rr"
 priority = 99
@@ -137,8 +146,12 @@ cpus = "0-2,7"
   CHECK(config.robot == "a \"quoted\" 'name'");
   CHECK(config.answers.limits == OnExcess::clamp);
   CHECK(config.answers.project);
+  CHECK(config.answers.nearest.metric == NearestMetric::angles);
+  CHECK(config.answers.nearest.contacts == NearestContacts::as_desired);
+  CHECK(config.answers.nearest.contact_damping == 40.0);
+  CHECK(config.answers.nearest.margin == 0.005);
   const MethodSettings& methods = config.answers.methods;
-  CHECK_FALSE(methods.relax);
+  CHECK(methods.infeasible == OnInfeasible::refuse);
   CHECK(mismatch(methods.of<PseudoInverse>().weights.diagonal(), (Eigen::VectorXd(6) << 1, 2, 3, 4, 5, 6).finished(),
                  0.0) == "");
   CHECK(methods.of<PseudoInverse>().weights.isDiagonal(0.0));
@@ -183,7 +196,8 @@ TEST_CASE("a bad configuration is refused with line, key and what would be right
   CHECK(complaint("[linear_transition]\ncop = \"middle\"") ==
         ":2: linear_transition: cop: found \"middle\"; expected \"zmp\", or 0 (heel) to 1 (toe)");
   CHECK(complaint("[linear_transition]\ncops = 1").starts_with(":2: linear_transition: cops: is not known here"));
-  CHECK(complaint("infeasible = \"flag\"") == ":1: infeasible: found \"flag\"; expected one of: relax, refuse");
+  CHECK(complaint("infeasible = \"flag\"") == ":1: infeasible: found \"flag\"; expected one of: relax, refuse, "
+                                              "nearest");
   CHECK(complaint("projection = true").starts_with(":1: projection: is not known here"));
   CHECK(complaint("[tracked_internal]\ncop = 0.5").starts_with(":1: tracked_internal: is not known here"));
   const std::string weights = "expected up to 16 finite numbers, or as many rows of as many numbers";

@@ -313,7 +313,7 @@ TEST_CASE("constrained is the least torque that meets all conditions, wherever t
           continue;
         }
         MethodSettings refusing = settings;
-        refusing.relax = false;
+        refusing.infeasible = OnInfeasible::refuse;
         if (oracle.solve(false))
         {
           // only the windows gave way; that is no refusal
@@ -687,7 +687,7 @@ TEST_CASE("with nothing to choose the method is none, and conditions show as fla
   ask_of_ground(random, biped, stance, biped.contact_point(Side::left, Contact::toe, motion.X).x() + 0.1, motion);
   Case now(biped, motion, Contact::sole, Contact::none, Side::left, 0.0, 0.0);
   MethodSettings settings;
-  settings.relax = false;
+  settings.infeasible = OnInfeasible::refuse;
   const TorqueSolution found = now.solution(Method::constrained, settings);
   CHECK(found.method == Method::none);
   CHECK_FALSE(found.relaxed);

@@ -322,7 +322,7 @@ TEST_CASE("on random walks no torque jumps with zmp-transition, nor with constra
     }
     // between: windows may relax, contacts and motors not, unless they cannot be met whatever the windows
     MethodSettings refusing;
-    refusing.relax = false;
+    refusing.infeasible = OnInfeasible::refuse;
     refusing.of<Constrained>().windows = false;
     for (const GaitPhase& phase : phases)
       for (int k = 0; k <= 10; ++k)

@@ -12,7 +12,9 @@ namespace
 {
 
 constexpr std::array<std::string_view, 3> kOnExcess{"flag", "refuse", "clamp"};
-constexpr std::array<std::string_view, 2> kInfeasible{"relax", "refuse"};
+constexpr std::array<std::string_view, 3> kInfeasible{"relax", "refuse", "nearest"};
+constexpr std::array<std::string_view, 2> kMetric{"mass", "angles"};
+constexpr std::array<std::string_view, 2> kContacts{"rest", "as-desired"};
 
 // Hashes each setting behind its key.
 class Hash : public SettingList
@@ -106,10 +108,17 @@ void list(AnswerSettings& settings, SettingList& with)
   with.word("limits", settings.limits, all, "torque limits: flag, refuse or clamp");
   with.word("rate_limits", settings.rate_limits, all, "torque-rate limits: flag, refuse or clamp");
   with.boolean("project", settings.project, "answer the nearest motion that keeps its contacts");
-  int infeasible = settings.methods.relax ? 0 : 1;
-  with.word("infeasible", infeasible, kInfeasible, "constrained: conditions that cannot be met: relax or refuse");
-  settings.methods.relax = infeasible == 0;
+  with.word("infeasible", settings.methods.infeasible, kInfeasible,
+            "conditions that cannot be met: relax or refuse (constrained), or nearest: answer the nearest motion");
   settings.methods.list(with);
+  with.table("nearest");
+  with.word("metric", settings.nearest.metric, kMetric,
+            "of the accelerations: mass (Gauss's least constraint) or angles (of the links)");
+  with.word("contacts", settings.nearest.contacts, kContacts,
+            "loaded contacts rest, or accelerate as-desired (measured motion of soft feet)");
+  with.number("contact_damping", settings.nearest.contact_damping, not_negative(),
+              "1/s, of the speed of contacts that should rest");
+  with.number("margin", settings.nearest.margin, not_negative(), "m, off both ends of every sole");
 }
 
 std::int64_t settings_id(AnswerSettings settings)

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "methods/method_settings.h"
+#include "nearest/nearest_settings.h"
 
 #include <cstdint>
 
@@ -20,6 +21,7 @@ enum class OnExcess
 struct AnswerSettings
 {
   MethodSettings methods;
+  NearestSettings nearest;                ///< if methods.infeasible says so
   OnExcess consistency = OnExcess::flag;  ///< flag or refuse
   double contact_speed_tolerance = 0.01;  ///< m/s, rad/s
   double contact_tolerance = 0.1;         ///< m/s², rad/s²; beyond it the flag is contact_acceleration

@@ -434,7 +434,8 @@ MethodRow constrained_row()
                                  [](const DoubleSupport& now)
                                  {
                                    return constrained(now.robot, now.equations, now.support, now.all,
-                                                      now.settings.of<Constrained>(), now.settings.relax);
+                                                      now.settings.of<Constrained>(),
+                                                      now.settings.infeasible == OnInfeasible::relax);
                                  });
 }
 

@@ -23,6 +23,14 @@ std::string method_names();
 /// Names and numbers as messages have them: "DEFAULT (0), PSEUDO_INVERSE (1), …".
 extern const std::string kMethodNumbers;
 
+/// What becomes of a motion whose conditions of contacts and motors cannot all be met.
+enum class OnInfeasible
+{
+  relax,  ///< constrained violates them as little as can be
+  refuse, ///< constrained refuses the desired state
+  nearest ///< the nearest motion that can be had is answered, by every method (nearest/nearest_motion.h)
+};
+
 /// The settings of all methods, each method's a struct of its own, Settings. Settings::kMethod: whose they are.
 class MethodSettings
 {
@@ -31,7 +39,7 @@ public:
   MethodSettings();
 
   Method method = Method::constrained; ///< used when the desired state asks for none
-  bool relax = true; ///< constrained: conditions that cannot be met are violated as little as can be; else refused
+  OnInfeasible infeasible = OnInfeasible::relax;
 
   template <typename Settings> Settings& of() { return *std::any_cast<Settings>(&of_method(Settings::kMethod)); }
   template <typename Settings> const Settings& of() const { return const_cast<MethodSettings&>(*this).of<Settings>(); }

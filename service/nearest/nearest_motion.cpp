@@ -1,0 +1,1 @@
+#include "nearest/nearest_motion.h"
