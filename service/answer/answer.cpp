@@ -1,6 +1,7 @@
 #include "answer/answer.h"
 
 #include "methods/torque_solution.h"
+#include "nearest/nearest_motion.h"
 #include "stance/checks.h"
 #include "stance/projection.h"
 #include "wire/command_fields.h"
@@ -31,7 +32,9 @@ std::optional<Refusal> check_consistency(const AnswerSettings& settings, const C
   const bool stays = errors.acceleration <= settings.contact_tolerance;
   flags |= on_ground && at_rest ? 0 : flag::inconsistent;
   flags |= stays ? 0 : flag::contact_acceleration;
-  if ((on_ground && at_rest && stays) || settings.consistency == OnExcess::flag)
+  // the nearest motion keeps its contacts, whatever feedback adds to the desired acceleration
+  const bool may_move = settings.methods.infeasible == OnInfeasible::nearest;
+  if ((on_ground && at_rest && (stays || may_move)) || settings.consistency == OnExcess::flag)
     return {};
   if (!on_ground)
     return Refusal(
@@ -68,10 +71,9 @@ bool all_finite(const Answer& answer)
   return is_finite(finite.sum);
 }
 
-// The coordinates' accelerations: those asked for, or, where the motion was moved, its own in the coordinates that were
+// The coordinates' accelerations: those asked for, or, where the motion was moved, a, in the coordinates that were
 // asked in.
-void set_accelerations(const Robot& robot, const DesiredState& asked, const DesiredState& motion, bool moved,
-                       Answer& answer)
+void set_accelerations(const Robot& robot, const DesiredState& asked, const VectorQ& a, bool moved, Answer& answer)
 {
   const int n = robot.num_coordinates();
   const bool relative = asked.relative_a.size() > 0;
@@ -83,10 +85,44 @@ void set_accelerations(const Robot& robot, const DesiredState& asked, const Desi
     return;
   const VectorQ before = answer.a;
   if (relative)
-    answer.a.noalias() = robot.A.topLeftCorner(n, n) * motion.a.head(n);
+    answer.a.noalias() = robot.A.topLeftCorner(n, n) * a.head(n);
   else
-    answer.a = motion.a.head(n);
+    answer.a = a.head(n);
   answer.adjustment = (answer.a - before).lpNorm<Eigen::Infinity>();
+}
+
+// What the nearest motion may ask of each motor: its limits, and, if they clamp, its rates. Where the last torque lies
+// beyond a limit, the rate has the last word, as in apply_limits().
+TorqueRange torque_range(const Robot& robot, const AnswerSettings& settings, const Elapsed& elapsed,
+                         const StreamMemory& memory)
+{
+  TorqueRange range(robot);
+  if (settings.rate_limits == OnExcess::clamp && elapsed.follows)
+    for (int j = 0; j < robot.num_joints(); ++j)
+    {
+      const double step = robot.actuators[static_cast<std::size_t>(j)].rate_limit * elapsed.seconds();
+      const double lowest = memory.torque(j) - step, highest = memory.torque(j) + step;
+      range.least(j) = std::clamp(range.least(j), lowest, highest);
+      range.most(j) = std::clamp(range.most(j), lowest, highest);
+    }
+  return range;
+}
+
+// change: a − a_d, if another motion is answered, whose equations are then these
+Result<TorqueSolution> solve(const Robot& robot, const AnswerSettings& settings, const DesiredState& desired,
+                             const Elapsed& elapsed, const StreamMemory& memory, SupportEquations& equations,
+                             std::optional<VectorQ>& change)
+{
+  if (settings.methods.infeasible != OnInfeasible::nearest)
+    return solve_torques(robot, equations, desired.support, desired.method, settings.methods,
+                         settings.residual_tolerance);
+  Result<NearestMotion> nearest =
+      nearest_motion(robot, desired.support, desired.method, settings.methods, settings.nearest,
+                     torque_range(robot, settings, elapsed, memory), equations);
+  if (const Refusal* refusal = std::get_if<Refusal>(&nearest))
+    return *refusal;
+  change = std::get<NearestMotion>(nearest).change;
+  return std::get<NearestMotion>(nearest).solution;
 }
 
 // asked, desired: the motion as it was sent, and the one that is answered. before: how far the motion was from its
@@ -95,10 +131,10 @@ std::optional<Refusal> answer_motion(const Robot& robot, const AnswerSettings& s
                                      const DesiredState& desired, const std::optional<ContactErrors>& before,
                                      StreamMemory& memory, const std::optional<OwnClock>& clock, Answer& answer)
 {
-  const Result<SupportEquations> built = support_equations(robot, desired);
+  Result<SupportEquations> built = support_equations(robot, desired);
   if (const Refusal* refusal = std::get_if<Refusal>(&built))
     return *refusal;
-  const SupportEquations& equations = std::get<SupportEquations>(built);
+  SupportEquations& equations = std::get<SupportEquations>(built);
   const ContactErrors errors = before ? *before
                                       : ContactErrors{.height = equations.contact_height,
                                                       .farthest = equations.farthest,
@@ -111,8 +147,9 @@ std::optional<Refusal> answer_motion(const Robot& robot, const AnswerSettings& s
   if (const auto refusal = check_consistency(settings, errors, desired.support, flags))
     return *refusal;
 
-  Result<TorqueSolution> solved =
-      solve_torques(robot, equations, desired.support, desired.method, settings.methods, settings.residual_tolerance);
+  const Elapsed elapsed = elapsed_since(memory, desired, clock);
+  std::optional<VectorQ> change;
+  Result<TorqueSolution> solved = solve(robot, settings, desired, elapsed, memory, equations, change);
   if (const Refusal* refusal = std::get_if<Refusal>(&solved))
     return *refusal;
   TorqueSolution& solution = std::get<TorqueSolution>(solved);
@@ -133,10 +170,15 @@ std::optional<Refusal> answer_motion(const Robot& robot, const AnswerSettings& s
   answer.zmp = zero_moment_point(robot, equations);
   answer.contact_speed = errors.speed;
   answer.contact_residual = errors.acceleration;
-  set_accelerations(robot, asked, desired, (flags & flag::projected) != 0, answer);
+  if (change)
+  {
+    flags |= flag::adjusted;
+    set_accelerations(robot, asked, desired.a + *change, true, answer);
+  }
+  else
+    set_accelerations(robot, asked, desired.a, (flags & flag::projected) != 0, answer);
   if (!robot.fixed_root())
     answer.base_a = equations.base_acceleration;
-  const Elapsed elapsed = elapsed_since(memory, desired, clock);
   if (!keeps_limits(robot, elapsed, memory, solution.torque))
   {
     if (const auto refusal = check_magnitude(robot, solution.torque))

@@ -377,7 +377,10 @@ template <int N> QuadraticProgramSolution solve_in(const QuadraticProgram& progr
 TORQUED_FOR_PROCESSORS
 QuadraticProgramSolution solve(const QuadraticProgram& program, const RowSet& start)
 {
-  return program.g.size() <= 3 ? solve_in<3>(program, start) : solve_in<kMaxVariables>(program, start);
+  const Eigen::Index variables = program.g.size();
+  return variables <= 3   ? solve_in<3>(program, start)
+         : variables <= 8 ? solve_in<8>(program, start)
+                          : solve_in<kMaxVariables>(program, start);
 }
 
 } // namespace torqued

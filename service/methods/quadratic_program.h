@@ -18,7 +18,7 @@
 namespace torqued
 {
 
-inline constexpr int kMaxVariables = 6;
+inline constexpr int kMaxVariables = 16;
 inline constexpr int kMaxRows = 64;
 
 /// The rows a_i·y ≤ b_i.
@@ -31,7 +31,7 @@ struct Rows
   int size() const { return static_cast<int>(b.size()); }
 };
 
-/// Sizes: 0 to 6 variables, 0 to 64 rows. Of use if well scaled: entries of H and A of order 1 in the units of y.
+/// Sizes: 0 to 16 variables, 0 to 64 rows. Of use if well scaled: entries of H and A of order 1 in the units of y.
 struct QuadraticProgram
 {
   Bounded<kMaxVariables, kMaxVariables> H; ///< symmetric, positive definite
@@ -89,12 +89,18 @@ inline constexpr int kMaxSteps = 500;
 /// Mathematical Programming 27, 1983; soft rows, and solving afresh, are ours.
 QuadraticProgramSolution solve(const QuadraticProgram& program, const std::bitset<kMaxRows>& start = {});
 
-/// The y that violates the soft rows least, ½ Σ v_i², and meets the hard ones; of several, one that is near to `from`.
+/// The same for H that need not be definite, by proximal steps from `from` on:
 ///
-/// Converges by proximal steps, y ← argmin ½ Σ v_i² + ½ δ |y − y_before|²: each a strictly convex program, and the
-/// sum of the violations is piecewise quadratic, so that few are needed. start: as of solve().
-/// Status: optimal; infeasible if no y meets the hard rows; not_solved. lambda are the multipliers of the last step: of
-/// a soft row its violation.
+///   y ← argmin ½ yᵀ H y + gᵀ y + ½ Σ v_i² + ½ δ |y − y_before|²    over the rows
+///
+/// each a strictly convex program. Of several minima, one near to `from`. As the objective is piecewise quadratic, few
+/// steps leave nothing of its gradient but rounding, 1e-14 in the units of H y. start: as of solve(). The objective
+/// must be bounded below.
+QuadraticProgramSolution solve_semidefinite(const QuadraticProgram& program, const BoundedVector<kMaxVariables>& from,
+                                            const std::bitset<kMaxRows>& start = {});
+
+/// The y that violates the soft rows least, ½ Σ v_i², and meets the hard ones; of several, one that is near to `from`.
+/// Status: optimal; infeasible if no y meets the hard rows; not_solved. lambda of a soft row is its violation.
 QuadraticProgramSolution least_violation(const Rows& rows, const BoundedVector<kMaxVariables>& from,
                                          const std::bitset<kMaxRows>& start = {});
 

@@ -1,1 +1,504 @@
 #include "nearest/nearest_motion.h"
+
+#include "methods/constrained.h"
+#include "nearest/motion_space.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace torqued
+{
+
+namespace
+{
+
+// Beyond this share of what is much of it, something is not kept.
+constexpr double kKept = 1e-9;
+// What is granted to rounding, over what is much of it: a motion that is just possible leaves a method one point to
+// choose from. Conditions get it beyond their bounds; torques stay so far within their range, and twice that in
+// level 1.
+constexpr double kRoom = 1e-10;
+
+// how large the terms are whose sum a contact's acceleration is
+double contact_scale(const SupportEquations& equations, const Support& support)
+{
+  double scale = 1.0 + equations.base_acceleration.cwiseAbs().maxCoeff();
+  for (const Side side : kSides)
+    if (support.of(side) != Contact::none)
+      scale = std::max(scale, equations.standing[side].acceleration.cwiseAbs().maxCoeff());
+  return scale;
+}
+
+// e: what the contacts' acceleration must lose
+WrenchVector contact_error(const Robot& robot, const SupportEquations& equations, const Support& support,
+                           const NearestSettings& settings)
+{
+  WrenchVector error = WrenchVector::Zero(support.wrench_components());
+  if (settings.contacts == NearestContacts::as_desired)
+    return error;
+  const double c = settings.contact_damping;
+  for (const Side side : kSides)
+  {
+    const Contact contact = support.of(side);
+    if (contact == Contact::none)
+      continue;
+    const StandingFoot& standing = equations.standing[side];
+    const int row = support.row(side), direction = robot.foot(side).direction;
+    error.segment<2>(row) =
+        equations.base_acceleration + standing.acceleration + c * (equations.base_velocity + standing.velocity);
+    if (contact == Contact::sole)
+      error(row + 2) = equations.direction_acceleration(direction) + c * equations.now.rate(direction);
+  }
+  return error;
+}
+
+// what contacts ask of the reactions, windows left out; a fixed root asks nothing
+ContactConditions without_windows(const Robot& robot, const SupportEquations& equations, const Support& support,
+                                  const ContactBounds& bounds)
+{
+  ContactConditions conditions;
+  for (const ContactCondition& condition : contact_conditions(robot, equations, support, bounds))
+    if (!condition.is_window && !robot.is_root(robot.foot(condition.side)))
+      conditions.push_back(condition);
+  return conditions;
+}
+
+double at(const ContactCondition& condition, const Support& support, const WrenchVector& w)
+{
+  const int row = support.row(condition.side);
+  double value = condition.c.head<2>().dot(w.segment<2>(row));
+  if (support.of(condition.side) == Contact::sole)
+    value += condition.c(2) * w(row + 2);
+  return value;
+}
+
+// whether reactions and torques keep their limits to this share of what is much of them
+bool keeps(const Robot& robot, const Support& support, const ReactionLimits& limits, const WrenchVector& w,
+           const VectorJ& torque, double share)
+{
+  for (const ContactCondition& condition : limits.contacts)
+    if (condition.factor * (at(condition, support, w) - condition.bound) > share)
+      return false;
+  for (int j = 0; j < torque.size(); ++j)
+    if (torque_factor(robot, j) * std::max(torque(j) - limits.torques.most(j), limits.torques.least(j) - torque(j)) >
+        share)
+      return false;
+  return true;
+}
+
+// One desired state, the equations of the motion that it is moved to, and what that motion must keep.
+class Nearest
+{
+public:
+  Nearest(const Robot& robot, const Support& support, Method method, const MethodSettings& methods,
+          const NearestSettings& settings, const TorqueRange& range, SupportEquations& equations)
+      : robot_(robot), support_(support), methods_(methods), settings_(settings), equations_(equations),
+        method_(method == Method::none ? methods.method : method),
+        limits_{without_windows(robot, equations, support,
+                                {constrained_settings().windows, constrained_settings().f_min, settings.margin}),
+                range}
+  {
+  }
+
+  Result<NearestMotion> find();
+
+private:
+  struct Choice
+  {
+    Reactions reactions;
+    Method method;
+  };
+
+  const Constrained& constrained_settings() const { return methods_.of<Constrained>(); }
+
+  std::optional<TorqueSolution> usual(const AdmissibleReactions& all) const;
+  Result<std::optional<Choice>> choose() const;
+  std::optional<Reactions> nearest_reactions(const AdmissibleReactions& all, const WrenchVector& reference,
+                                             const ReactionLimits& limits) const;
+  void move_to(const MotionSpace& space, const VectorQ& delta);
+  NearestMotion answer(const Choice& choice, bool relaxed) const;
+  TorqueRange narrowed(double room) const;
+
+  // level 1
+  struct Program
+  {
+    QuadraticProgram program;
+    int zeta = 0; // so many of the variables are ζ; y follows
+    VectorQ unit; // of all variables
+    int contact_rows = 0;
+  };
+  Program program(const MotionSpace& space, const AdmissibleReactions& all0, bool motors) const;
+  bool relax(Program& program, std::bitset<kMaxRows>& active);
+
+  const Robot& robot_;
+  const Support& support_;
+  const MethodSettings& methods_;
+  const NearestSettings& settings_;
+  SupportEquations& equations_;
+  Method method_;
+  ReactionLimits limits_;
+  VectorQ moved_; // from the desired acceleration
+};
+
+// the answer without any of this, if it keeps the limits
+std::optional<TorqueSolution> Nearest::usual(const AdmissibleReactions& all) const
+{
+  const Method used = all.redundancy == 0 ? Method::none : method_;
+  std::optional<Reactions> reactions;
+  if (used == Method::none)
+    reactions.emplace(all.w0());
+  else if (used == Method::constrained)
+  {
+    const auto chosen = constrained_within(robot_, equations_, support_, all, constrained_settings(), nullptr);
+    if (const auto* found = std::get_if<std::optional<Reactions>>(&chosen))
+      reactions = *found;
+  }
+  else
+  {
+    const MethodRow& row = torqued::methods()[static_cast<std::size_t>(used) - 1];
+    const Result<Reactions> chosen = row.choose({robot_, equations_, support_, all, methods_});
+    if (const auto* found = std::get_if<Reactions>(&chosen))
+      reactions = *found;
+  }
+  if (!reactions)
+    return {};
+  TorqueSolution solution(robot_, equations_, support_, used, reactions->w, reactions->clamped, reactions->relaxed);
+  if (!keeps(robot_, support_, limits_, solution.w, solution.torque, kKept))
+    return {};
+  return solution;
+}
+
+// level 2, for the motion as it now is; nothing if no reactions keep the limits
+Result<std::optional<Nearest::Choice>> Nearest::choose() const
+{
+  using Chosen = std::optional<Choice>;
+  constexpr double share = 0.5 * kRoom;
+  ReactionLimits limits{limits_.contacts, narrowed(kRoom)};
+  for (ContactCondition& condition : limits.contacts)
+    condition.bound += kRoom / condition.factor;
+  const AdmissibleReactions all = admissible_reactions(robot_, equations_, support_);
+  const auto torque_of = [&](const WrenchVector& w)
+  {
+    return TorqueSolution(robot_, equations_, support_, Method::none, w).torque;
+  };
+  if (all.redundancy == 0)
+  {
+    const WrenchVector w = all.w0();
+    if (!keeps(robot_, support_, limits, w, torque_of(w), share))
+      return Result<Chosen>(std::in_place_type<Chosen>);
+    return Result<Chosen>(std::in_place_type<Chosen>, Choice{Reactions(w), Method::none});
+  }
+  if (method_ != Method::constrained)
+  {
+    const MethodRow& row = torqued::methods()[static_cast<std::size_t>(method_) - 1];
+    const Result<Reactions> chosen = row.choose({robot_, equations_, support_, all, methods_});
+    if (const auto* own = std::get_if<Reactions>(&chosen))
+    {
+      if (keeps(robot_, support_, limits, own->w, torque_of(own->w), share))
+        return Result<Chosen>(std::in_place_type<Chosen>, Choice{*own, method_});
+      if (std::optional<Reactions> nearest = nearest_reactions(all, own->w, limits))
+      {
+        nearest->clamped = own->clamped;
+        return Result<Chosen>(std::in_place_type<Chosen>, Choice{*nearest, method_});
+      }
+      return Result<Chosen>(std::in_place_type<Chosen>);
+    }
+  }
+  const auto chosen = constrained_within(robot_, equations_, support_, all, constrained_settings(), &limits);
+  if (const Refusal* refusal = std::get_if<Refusal>(&chosen))
+    return *refusal;
+  const auto& found = std::get<std::optional<Reactions>>(chosen);
+  if (!found)
+    return Result<Chosen>(std::in_place_type<Chosen>);
+  return Result<Chosen>(std::in_place_type<Chosen>, Choice{*found, Method::constrained});
+}
+
+// the reactions that keep the limits, in least squares of their distance from others
+std::optional<Reactions> Nearest::nearest_reactions(const AdmissibleReactions& all, const WrenchVector& reference,
+                                                    const ReactionLimits& limits) const
+{
+  const ReactionTorques torques = reaction_torques(robot_, equations_, support_, all);
+  Eigen::Vector3d unit = Eigen::Vector3d::Constant(robot_.weight());
+  if (all.redundancy == 3)
+    unit(2) *= robot_.leg_length;
+  QuadraticProgram program;
+  Conditions conditions(program.rows);
+  conditions.add_contacts(robot_, equations_, support_, all, {.windows = false}, &limits, unit);
+  conditions.add_motors(robot_, torques, limits.torques, unit);
+
+  program.H.setZero(all.redundancy, all.redundancy);
+  program.g.setZero(all.redundancy);
+  for (const Side side : kSides)
+    for (int i = 0; i < wrench_components(support_.of(side)); ++i)
+    {
+      const Foot& foot = robot_.foot(side);
+      const double length = foot.has_extent() ? foot.toe_x() - foot.heel_x() : robot_.leg_length;
+      const double factor = 1.0 / (robot_.weight() * (i < 2 ? 1.0 : length));
+      const int c = support_.row(side) + i;
+      const double off = factor * (all.rows(c, 0) - reference(c));
+      for (int k = 0; k < all.redundancy; ++k)
+      {
+        const double slope = factor * all.rows(c, 1 + k) * unit(k);
+        program.g(k) += slope * off;
+        for (int j = 0; j < all.redundancy; ++j)
+          program.H(j, k) += slope * factor * all.rows(c, 1 + j) * unit(j);
+      }
+    }
+  const QuadraticProgramSolution solution = solve(program);
+  if (solution.status != QuadraticProgramStatus::optimal)
+    return {};
+  Eigen::Vector3d y = Eigen::Vector3d::Zero();
+  for (int k = 0; k < all.redundancy; ++k)
+    y(k) = unit(k) * solution.y(k);
+  return Reactions(all, y);
+}
+
+void Nearest::move_to(const MotionSpace& space, const VectorQ& delta)
+{
+  const VectorQ step = delta - moved_;
+  const Mechanism& mechanism = robot_.mechanism;
+  VectorQ force(step.size());
+  force.noalias() = space.mass().lazyProduct(step);
+  equations_.r += force;
+  double moment = force.head(mechanism.num_theta()).sum();
+  for (const auto& [row, column, mass] : mechanism.sliding())
+    if (row == column)
+      moment -= force(row);
+  equations_.d += Eigen::Vector3d(force(force.size() - 2), force(force.size() - 1), moment);
+  equations_.base_acceleration += step.tail<2>();
+  equations_.direction_acceleration += mechanism.of_directions(step);
+  moved_ = delta;
+}
+
+// the range without this share of what is much of a torque at both ends; at least half of it is left
+TorqueRange Nearest::narrowed(double room) const
+{
+  TorqueRange range = limits_.torques;
+  for (int j = 0; j < robot_.num_joints(); ++j)
+  {
+    const double less = std::min(room / torque_factor(robot_, j), 0.25 * (range.most(j) - range.least(j)));
+    range.most(j) -= less;
+    range.least(j) += less;
+  }
+  return range;
+}
+
+// Level 1: ½ |ζ|² over ζ and y. Without motors three of ζ are enough.
+Nearest::Program Nearest::program(const MotionSpace& space, const AdmissibleReactions& all0, bool motors) const
+{
+  Program built;
+  const int zeta = motors ? space.size() : std::min(3, space.size());
+  const int n = zeta + all0.redundancy, joints = robot_.num_joints();
+  built.zeta = zeta;
+  built.contact_rows = limits_.contacts.size();
+  Rows& rows = built.program.rows;
+  rows.A.setZero(built.contact_rows + (motors ? 2 * joints : 0), n);
+  rows.b.setOnes(rows.A.rows());
+
+  // w as a function of d, and d of ζ
+  std::array<AdmissibleReactions, 3> of_d;
+  for (int k = 0; k < 3; ++k)
+    of_d[static_cast<std::size_t>(k)] = admissible_reactions(robot_, equations_, support_, Eigen::Vector3d::Unit(k));
+  Eigen::Matrix<double, AdmissibleReactions::kMaxComponents, 3> w_d; // columns: of each of d
+  for (int c = 0; c < all0.components; ++c)
+    for (int k = 0; k < 3; ++k)
+      w_d(c, k) = of_d[static_cast<std::size_t>(k)].rows(c, 0);
+
+  int row = 0;
+  for (const ContactCondition& condition : limits_.contacts)
+  {
+    double of_w0 = 0.0;
+    Eigen::Vector3d by_d = Eigen::Vector3d::Zero();
+    for (int i = 0; i < wrench_components(support_.of(condition.side)); ++i)
+    {
+      const int c = support_.row(condition.side) + i;
+      const double factor = condition.factor * condition.c(i);
+      of_w0 += factor * all0.rows(c, 0);
+      by_d += factor * w_d.row(c).transpose();
+      for (int k = 0; k < all0.redundancy; ++k)
+        rows.A(row, zeta + k) += factor * all0.rows(c, 1 + k);
+    }
+    const Eigen::Vector3d by_zeta = space.D() * by_d;
+    for (int k = 0; k < std::min(3, zeta); ++k)
+      rows.A(row, k) = by_zeta(k);
+    rows.b(row++) = condition.factor * condition.bound - of_w0;
+  }
+
+  if (motors)
+  {
+    // τ = B⁺ (r − Jᵀ w), and of each ζ what it changes of it
+    const ReactionTorques torques = reaction_torques(robot_, equations_, support_, all0);
+    const MatrixQ F = space.basis();
+    const TorqueRange range = narrowed(2.0 * kRoom);
+    for (int k = 0; k < n; ++k)
+    {
+      VectorJ torque;
+      if (k < zeta)
+      {
+        SupportEquations change = equations_;
+        change.r.noalias() = space.mass().lazyProduct(F.col(k));
+        WrenchVector w = WrenchVector::Zero(all0.components);
+        if (k < 3)
+          for (int c = 0; c < all0.components; ++c)
+            w(c) = w_d.row(c).dot(space.D().row(k));
+        torque = TorqueSolution(robot_, change, support_, Method::none, w).torque;
+      }
+      else
+        torque = torques.T.col(k - zeta).head(joints);
+      for (int j = 0; j < joints; ++j)
+      {
+        const double factor = torque_factor(robot_, j);
+        rows.A(row + j, k) = factor * torque(j);
+        rows.A(row + joints + j, k) = -factor * torque(j);
+      }
+    }
+    for (int j = 0; j < joints; ++j)
+    {
+      const double factor = torque_factor(robot_, j);
+      rows.b(row + j) = factor * (range.most(j) - torques.tau0(j));
+      rows.b(row + joints + j) = factor * (torques.tau0(j) - range.least(j));
+    }
+    // what is not bounded
+    for (int i = row; i < row + 2 * joints; ++i)
+      if (!std::isfinite(rows.b(i)))
+      {
+        rows.A.row(i).setZero();
+        rows.b(i) = 1.0;
+      }
+  }
+
+  // units in which entries are of order 1
+  built.unit = VectorQ::Constant(n, robot_.weight());
+  if (all0.redundancy == 3)
+    built.unit(n - 1) *= robot_.leg_length;
+  const double most = rows.A.leftCols(zeta).size() > 0 ? rows.A.leftCols(zeta).cwiseAbs().maxCoeff() : 0.0;
+  built.unit.head(zeta).setConstant(most > 0.0 ? 1.0 / most : 1.0);
+  for (int k = 0; k < n; ++k)
+    rows.A.col(k) *= built.unit(k);
+  built.program.H.setZero(n, n);
+  built.program.H.diagonal().head(zeta).setOnes();
+  built.program.g.setZero(n);
+  return built;
+}
+
+// Grants the contacts' conditions what they lack at the least, in the program and in the limits. Whether that was
+// found.
+bool Nearest::relax(Program& built, std::bitset<kMaxRows>& active)
+{
+  Rows& rows = built.program.rows;
+  Rows soft = rows;
+  for (int i = 0; i < built.contact_rows; ++i)
+    soft.soft.set(static_cast<std::size_t>(i));
+  const QuadraticProgramSolution least =
+      least_violation(soft, BoundedVector<kMaxVariables>::Zero(built.program.g.size()), active);
+  if (least.status != QuadraticProgramStatus::optimal)
+    return false;
+  ContactCondition* condition = limits_.contacts.begin();
+  for (int i = 0; i < built.contact_rows; ++i, ++condition)
+  {
+    const double lacks = std::max(0.0, rows.A.row(i).dot(least.y) - rows.b(i)) + kRoom;
+    rows.b(i) += lacks;
+    condition->bound += lacks / condition->factor;
+  }
+  active = least.active;
+  return true;
+}
+
+NearestMotion Nearest::answer(const Choice& choice, bool relaxed) const
+{
+  NearestMotion found{TorqueSolution(robot_, equations_, support_, choice.method, choice.reactions.w,
+                                     choice.reactions.clamped, choice.reactions.relaxed || relaxed),
+                      moved_};
+  // what rounding left beyond the range
+  VectorJ& torque = found.solution.torque;
+  for (int j = 0; j < torque.size(); ++j)
+    torque(j) = std::clamp(torque(j), limits_.torques.least(j), limits_.torques.most(j));
+  return found;
+}
+
+Result<NearestMotion> Nearest::find()
+{
+  using enum QuadraticProgramStatus;
+  const AdmissibleReactions all = admissible_reactions(robot_, equations_, support_);
+  const WrenchVector error = contact_error(robot_, equations_, support_, settings_);
+  const double force = kKept * robot_.weight();
+  const bool met =
+      all.unmet.head<2>().cwiseAbs().maxCoeff() <= force && std::abs(all.unmet(2)) <= force * robot_.leg_length;
+  const bool rests = error.size() == 0 || error.cwiseAbs().maxCoeff() <= kKept * contact_scale(equations_, support_);
+  if (met && rests)
+    if (const std::optional<TorqueSolution> found = usual(all))
+      return NearestMotion{*found, {}};
+
+  const MotionSpace space(robot_, equations_, support_, all, error, settings_.metric);
+  if (space.singular())
+    return Refusal(Reason::numerical,
+                   "a link of {} can move without mass or inertia, so that the nearest motion by "
+                   "metric = mass is not determined; metric = angles is",
+                   robot_.name);
+  moved_ = VectorQ::Zero(robot_.mechanism.num_q());
+  const bool contradictory = space.contradictory();
+  move_to(space, space.change(VectorQ::Zero(0)));
+
+  // the least change that contacts and rows without motors ask for may be all
+  {
+    const auto chosen = choose();
+    if (const Refusal* refusal = std::get_if<Refusal>(&chosen))
+      return *refusal;
+    if (const auto& choice = std::get<std::optional<Choice>>(chosen))
+      return answer(*choice, contradictory);
+  }
+
+  const VectorQ least = moved_;
+  const bool bounded = limits_.torques.most.array().isFinite().any() || limits_.torques.least.array().isFinite().any();
+  for (const bool motors : {false, true})
+  {
+    if (motors && !bounded)
+      break;
+    move_to(space, least);
+    const AdmissibleReactions all0 = admissible_reactions(robot_, equations_, support_);
+    Program built = program(space, all0, motors);
+    const BoundedVector<kMaxVariables> from = BoundedVector<kMaxVariables>::Zero(built.program.g.size());
+    QuadraticProgramSolution solution = solve_semidefinite(built.program, from);
+    if (solution.status == infeasible && bounded && !motors)
+      continue;
+    bool relaxed = contradictory;
+    if (solution.status == infeasible && relax(built, solution.active))
+    {
+      relaxed = true;
+      solution = solve_semidefinite(built.program, from, solution.active);
+    }
+    if (solution.status != optimal)
+      return Refusal(Reason::numerical, "the nearest motion was not found; the motion's numbers are too large");
+
+    const VectorQ variables = built.unit.cwiseProduct(solution.y);
+    const VectorQ zeta = variables.head(built.zeta);
+    move_to(space, space.change(zeta));
+    const auto chosen = choose();
+    if (const Refusal* refusal = std::get_if<Refusal>(&chosen))
+      return *refusal;
+    if (const auto& choice = std::get<std::optional<Choice>>(chosen))
+      return answer(*choice, relaxed);
+    if (motors || !bounded)
+    {
+      // rounding has closed the one point that there was: that of level 1
+      const AdmissibleReactions now = admissible_reactions(robot_, equations_, support_);
+      Eigen::Vector3d y = Eigen::Vector3d::Zero();
+      for (int k = 0; k < now.redundancy; ++k)
+        y(k) = variables(built.zeta + k);
+      const Method used = now.redundancy == 0 ? Method::none : method_;
+      return answer({Reactions(now, y), used}, relaxed);
+    }
+  }
+  return Refusal(Reason::numerical, "the nearest motion was not found; the motion's numbers are too large");
+}
+
+} // namespace
+
+Result<NearestMotion> nearest_motion(const Robot& robot, const Support& support, Method method,
+                                     const MethodSettings& methods, const NearestSettings& settings,
+                                     const TorqueRange& range, SupportEquations& equations)
+{
+  return Nearest(robot, support, method, methods, settings, range, equations).find();
+}
+
+} // namespace torqued

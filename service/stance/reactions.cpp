@@ -20,9 +20,9 @@ void set_row(AdmissibleReactions& all, int component, double w0, double of_y0, d
 }
 
 // the sole supplies the force and the moment about the base point, and takes back what the other foot has
-void on_sole(const SupportEquations& equations, const Support& support, Side sole, AdmissibleReactions& all)
+void on_sole(const SupportEquations& equations, const Support& support, Side sole, const Eigen::Vector3d& d,
+             AdmissibleReactions& all)
 {
-  const Eigen::Vector3d& d = equations.d;
   const Side free = other(sole);
   const int at_sole = support.row(sole), at_free = support.row(free);
   const Eigen::Vector2d& ankle = equations.standing[sole].ankle;
@@ -43,9 +43,9 @@ void on_sole(const SupportEquations& equations, const Support& support, Side sol
 }
 
 // points only: moments about that of the trailing foot, or of the only one
-void on_points(const Robot& robot, const SupportEquations& equations, const Support& support, AdmissibleReactions& all)
+void on_points(const Robot& robot, const SupportEquations& equations, const Support& support, const Eigen::Vector3d& d,
+               AdmissibleReactions& all)
 {
-  const Eigen::Vector3d& d = equations.d;
   const bool two = all.components == 4;
   const Side side = two ? support.trailing() : support.of(Side::left) != Contact::none ? Side::left : Side::right;
   const Eigen::Vector2d p = equations.foot(side).point(support.of(side));
@@ -82,7 +82,8 @@ void on_points(const Robot& robot, const SupportEquations& equations, const Supp
 
 } // namespace
 
-AdmissibleReactions admissible_reactions(const Robot& robot, const SupportEquations& equations, const Support& support)
+AdmissibleReactions admissible_reactions(const Robot& robot, const SupportEquations& equations, const Support& support,
+                                         const Eigen::Vector3d& d)
 {
   AdmissibleReactions all;
   all.components = support.wrench_components();
@@ -91,13 +92,13 @@ AdmissibleReactions admissible_reactions(const Robot& robot, const SupportEquati
   if (all.components % 2 == 1)
     set_row(all, all.components, 0.0, 0.0, 0.0, 0.0);
   if (all.components == 0)
-    all.unmet = equations.d;
+    all.unmet = d;
   else if (support.of(support.trailing()) == Contact::sole)
-    on_sole(equations, support, support.trailing(), all);
+    on_sole(equations, support, support.trailing(), d, all);
   else if (support.of(support.leading) == Contact::sole)
-    on_sole(equations, support, support.leading, all);
+    on_sole(equations, support, support.leading, d, all);
   else
-    on_points(robot, equations, support, all);
+    on_points(robot, equations, support, d, all);
   return all;
 }
 

@@ -66,7 +66,15 @@ struct Reactions
   bool relaxed = false; ///< conditions that could not all be met are violated, as little as can be
 };
 
-AdmissibleReactions admissible_reactions(const Robot& robot, const SupportEquations& equations, const Support& support);
+/// d: what the ground must supply; by default what the motion needs. w0 and unmet are linear in it, Z does not depend
+/// on it.
+AdmissibleReactions admissible_reactions(const Robot& robot, const SupportEquations& equations, const Support& support,
+                                         const Eigen::Vector3d& d);
+inline AdmissibleReactions admissible_reactions(const Robot& robot, const SupportEquations& equations,
+                                                const Support& support)
+{
+  return admissible_reactions(robot, equations, support, equations.d);
+}
 
 /// The torques that go with them, τ = τ0 + T y. One row for each joint; zeros follow.
 struct ReactionTorques

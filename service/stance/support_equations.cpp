@@ -35,6 +35,7 @@ Result<SupportEquations> support_equations(const Robot& robot, const DesiredStat
     return result;
   }
   const BaseMotion& base = std::get<BaseMotion>(completed);
+  equations.base_velocity = base.velocity;
   equations.base_acceleration = base.acceleration;
 
   equations.d = inverse_dynamics(mechanism, now, equations.direction_acceleration, base.acceleration, equations.r);

@@ -29,6 +29,7 @@ struct SupportEquations
   Eigen::Vector3d d; ///< (F_x, F_z, M about the base point) that the ground must supply, N and N m
   Kinematics now;
   VectorD direction_acceleration;    ///< φ̈, rad/s²
+  Eigen::Vector2d base_velocity;     ///< m/s
   Eigen::Vector2d base_acceleration; ///< m/s²
   PerSide<FootPose> feet;            ///< not set without contact
   StandingFeet standing;             ///< the same feet, as seen from the base point

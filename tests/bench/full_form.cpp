@@ -28,7 +28,7 @@ Conditions conditions(const Robot& robot, const SupportEquations& equations, con
                       const Constrained& settings)
 {
   const int motors = robot.num_joints();
-  const ContactConditions contacts = contact_conditions(robot, equations, support, settings);
+  const ContactConditions contacts = contact_conditions(robot, equations, support, {settings.windows, settings.f_min});
   Conditions all{MatrixXd::Zero(contacts.size() + 2 * motors, motors + support.wrench_components()),
                  VectorXd::Zero(contacts.size() + 2 * motors)};
   int row = 0;

@@ -50,7 +50,8 @@ AnswerSettings settings(std::uint8_t choice)
   settings.rate_limits = static_cast<OnExcess>(choice / 3 % 3);
   settings.project = (choice & 16) != 0;
   settings.consistency = (choice & 32) != 0 ? OnExcess::refuse : OnExcess::flag;
-  constexpr std::array infeasible{OnInfeasible::relax, OnInfeasible::refuse, OnInfeasible::nearest, OnInfeasible::nearest};
+  constexpr std::array infeasible{OnInfeasible::relax, OnInfeasible::refuse, OnInfeasible::nearest,
+                                  OnInfeasible::nearest};
   settings.methods.infeasible = infeasible[choice >> 6];
   return settings;
 }

@@ -1,0 +1,272 @@
+#include "nearest/motion_space.h"
+
+#include "planar/dynamics.h"
+#include "planar/processors.h"
+
+#include <Eigen/QR>
+#include <algorithm>
+#include <cmath>
+
+namespace torqued
+{
+
+namespace
+{
+
+// A pivot of W less than this share of its diagonal is none.
+constexpr double kPivot = 1e-13;
+// Least squares leave no more than this, over the size of the errors, where contacts do not contradict one another.
+constexpr double kContradiction = 1e-9;
+
+// M̂
+MatrixQ mass_with_rotors(const Robot& robot, const Kinematics& now)
+{
+  MatrixQ mass = mass_matrix(robot.mechanism, now);
+  if (robot.joint_friction)
+    for (const auto& [row, joint, share] : robot.B)
+      for (const auto& [column, other_joint, other_share] : robot.B)
+        if (joint == other_joint)
+          mass(row, column) +=
+              share * other_share * robot.actuators[static_cast<std::size_t>(joint)].rotor_inertia;
+  return mass;
+}
+
+} // namespace
+
+MotionSpace::MotionSpace(const Robot& robot, const SupportEquations& equations, const Support& support,
+                         const AdmissibleReactions& all, const WrenchVector& contact_error, NearestMetric metric)
+    : n_(robot.mechanism.num_q()), mass_(mass_with_rotors(robot, equations.now))
+{
+  fill_columns(robot, equations, support, all, contact_error);
+  set_metric(robot, metric);
+  divide_by_root();
+  if (singular_)
+    return;
+  reflect();
+  least_change();
+  d0_ = equations.d;
+  for (int k = 0; k < 3; ++k)
+    for (int i = 0; i < rank_; ++i)
+      d0_(k) += columns_(i, rows_ + k) * least_(i);
+  D_.setZero();
+  for (int i = 0; i < std::min(3, n_ - rank_); ++i)
+    for (int k = 0; k < 3; ++k)
+      D_(i, k) = columns_(rank_ + i, rows_ + k);
+}
+
+void MotionSpace::fill_columns(const Robot& robot, const SupportEquations& equations, const Support& support,
+                               const AdmissibleReactions& all, const WrenchVector& contact_error)
+{
+  const Mechanism& mechanism = robot.mechanism;
+  columns_.setZero();
+
+  // M̂ N_B: the base point's columns, and the sum of those of all angles
+  Eigen::Matrix<double, kMaxCoordinates, 3> M_N = M_N.Zero();
+  VectorQ turn = VectorQ::Ones(mechanism.num_theta());
+  for (const auto& [row, column, mass] : mechanism.sliding())
+    turn(row) = 0.0;
+  M_N.topLeftCorner(n_, 2) = mass_.rightCols<2>();
+  for (int k = 0; k < mechanism.num_theta(); ++k)
+    M_N.col(2).head(n_) += turn(k) * mass_.col(k);
+
+  // what no reactions meet
+  if (all.components == 0)
+  {
+    hard_ = rows_ = 3;
+    columns_.leftCols<3>() = M_N;
+    std::copy_n(all.unmet.data(), 3, error_.begin());
+  }
+  else if (all.rank() == 2)
+  {
+    // the moment about a contact point at l from the base point, d_3 − l_x d_2 + l_z d_1
+    const Side side = support.redundancy() > 0                     ? support.trailing()
+                      : support.of(Side::left) != Contact::none ? Side::left
+                                                                : Side::right;
+    const Eigen::Vector2d& l = equations.standing[side].point;
+    hard_ = rows_ = 1;
+    columns_.col(0) = M_N.col(2) - l.x() * M_N.col(1) + l.y() * M_N.col(0);
+    error_[0] = all.unmet(2);
+  }
+
+  // J
+  for (const Side side : kSides)
+  {
+    const Contact contact = support.of(side);
+    if (contact == Contact::none)
+      continue;
+    const Foot& foot = robot.foot(side);
+    const StandingFoot& standing = equations.standing[side];
+    const Eigen::Vector2d from_ankle = standing.point - standing.ankle;
+    for (int i = 0; i < wrench_components(contact); ++i)
+    {
+      const double scale = i < 2 ? 1.0 : std::max(foot.toe_x() - foot.heel_x(), kCoincident * robot.leg_length);
+      VectorQ row = VectorQ::Zero(n_);
+      if (i < 2)
+      {
+        const Eigen::Vector2d along = i == 0 ? Eigen::Vector2d::UnitX() : Eigen::Vector2d::UnitY();
+        int k = 0;
+        for (const Arm& arm : foot.ankle)
+          mechanism.add_from_direction(arm.direction, cross(standing.arms.col(k++), along), row);
+        if (contact != Contact::sole)
+          mechanism.add_from_direction(foot.direction, cross(from_ankle, along), row);
+        row.tail<2>() = along;
+      }
+      else
+        mechanism.add_from_direction(foot.direction, scale, row);
+      columns_.col(rows_).head(n_) = row;
+      error_[static_cast<std::size_t>(rows_++)] = scale * contact_error(support.row(side) + i);
+    }
+  }
+  columns_.middleCols<3>(rows_) = M_N;
+}
+
+void MotionSpace::set_metric(const Robot& robot, NearestMetric metric)
+{
+  root_.setZero();
+  if (metric == NearestMetric::mass)
+    root_.topLeftCorner(n_, n_) = mass_;
+  else
+  {
+    const double per_length = 1.0 / (robot.leg_length * robot.leg_length);
+    root_.diagonal().head(n_ - 2).setOnes();
+    for (const auto& [row, column, mass] : robot.mechanism.sliding())
+      root_(row, row) = per_length;
+    root_(n_ - 2, n_ - 2) = root_(n_ - 1, n_ - 1) = per_length;
+  }
+  // the contact of a fixed root holds its angle and the base point, whatever moving them would cost; its link may be
+  // without mass
+  if (robot.fixed_root())
+    for (const int k : {n_ - 3, n_ - 2, n_ - 1})
+      root_(k, k) += 1.0;
+}
+
+// W = Uᵀ U by elimination, which takes the columns along
+TORQUED_FOR_PROCESSORS
+void MotionSpace::divide_by_root()
+{
+  const Vector diagonal = root_.diagonal();
+  for (int k = 0; k < n_; ++k)
+  {
+    const double pivot = root_(k, k);
+    if (!(pivot > kPivot * diagonal(k)))
+    {
+      singular_ = true;
+      return;
+    }
+    const double per_root = 1.0 / std::sqrt(pivot);
+    per_pivot_(k) = per_root;
+    root_.row(k) *= per_root;
+    columns_.row(k) *= per_root;
+    for (int i = k + 1; i < n_; ++i)
+    {
+      const double share = root_(k, i);
+      root_.row(i) -= share * root_.row(k);
+      columns_.row(i) -= share * columns_.row(k);
+    }
+  }
+}
+
+TORQUED_FOR_PROCESSORS
+void MotionSpace::reflect()
+{
+  for (int j = 0; j < rows_ + 3; ++j)
+  {
+    double above = 0.0, below = 0.0;
+    for (int i = 0; i < n_; ++i)
+      (i < reflected_ ? above : below) += columns_(i, j) * columns_(i, j);
+    const bool of_E = j < rows_;
+    if (reflected_ == n_ || below <= (of_E ? kCoincident * kCoincident : 1e-30) * (above + below))
+      continue; // depends on those before it
+    const int r = reflected_;
+    const double norm = std::sqrt(below), first = columns_(r, j);
+    for (int i = r; i < n_; ++i)
+      reflectors_(i, r) = columns_(i, j);
+    reflectors_(r, r) += std::copysign(norm, first);
+    const double beta = 1.0 / (below + std::abs(first) * norm);
+    Eigen::Matrix<double, 1, kColumns> sum = Eigen::Matrix<double, 1, kColumns>::Zero();
+    for (int i = r; i < n_; ++i)
+      sum += reflectors_(i, r) * columns_.row(i);
+    sum *= beta;
+    for (int i = r; i < n_; ++i)
+      columns_.row(i) -= reflectors_(i, r) * sum;
+    beta_[static_cast<std::size_t>(r)] = beta;
+    ++reflected_;
+    if (of_E)
+      rank_ = reflected_;
+  }
+}
+
+// Rᵀ x = −e, R being the columns of E
+void MotionSpace::least_change()
+{
+  least_.setZero();
+  const int exact = rank_ == rows_ ? rows_ : hard_;
+  for (int j = 0; j < exact; ++j)
+  {
+    double left = -error_[static_cast<std::size_t>(j)];
+    for (int i = 0; i < j; ++i)
+      left -= columns_(i, j) * least_(i);
+    least_(j) = left / columns_(j, j);
+  }
+  if (exact == rows_)
+    return;
+
+  // dependent contacts, in least squares
+  const int rows = rows_ - hard_, rank = rank_ - hard_;
+  const Bounded<6, 6> A = columns_.block(hard_, hard_, rank, rows).transpose();
+  BoundedVector<6> b(rows);
+  for (int j = 0; j < rows; ++j)
+  {
+    b(j) = -error_[static_cast<std::size_t>(hard_ + j)];
+    for (int i = 0; i < hard_; ++i)
+      b(j) -= columns_(i, hard_ + j) * least_(i);
+  }
+  const Eigen::ColPivHouseholderQR<Bounded<6, 6>> decomposition(A);
+  const BoundedVector<6> x = decomposition.solve(b);
+  least_.segment(hard_, rank) = x;
+  contradictory_ = (A * x - b).cwiseAbs().maxCoeff() > kContradiction * std::max(1.0, b.cwiseAbs().maxCoeff());
+}
+
+TORQUED_FOR_PROCESSORS
+VectorQ MotionSpace::from_reflected(Vector& u) const
+{
+  for (int r = reflected_ - 1; r >= 0; --r)
+  {
+    double sum = 0.0;
+    for (int i = r; i < n_; ++i)
+      sum += reflectors_(i, r) * u(i);
+    sum *= beta_[static_cast<std::size_t>(r)];
+    for (int i = r; i < n_; ++i)
+      u(i) -= sum * reflectors_(i, r);
+  }
+  VectorQ delta(n_);
+  for (int i = n_ - 1; i >= 0; --i)
+  {
+    double left = u(i);
+    for (int k = i + 1; k < n_; ++k)
+      left -= root_(i, k) * delta(k);
+    delta(i) = left * per_pivot_(i);
+  }
+  return delta;
+}
+
+VectorQ MotionSpace::change(const VectorQ& zeta) const
+{
+  Vector u = least_;
+  u.segment(rank_, zeta.size()) = zeta;
+  return from_reflected(u);
+}
+
+MatrixQ MotionSpace::basis() const
+{
+  MatrixQ F(n_, size());
+  for (int k = 0; k < size(); ++k)
+  {
+    Vector u = Vector::Zero();
+    u(rank_ + k) = 1.0;
+    F.col(k) = from_reflected(u);
+  }
+  return F;
+}
+
+} // namespace torqued
