@@ -22,6 +22,7 @@
 #include <cmath>
 #include <fmt/format.h>
 #include <memory>
+#include <random>
 #include <stdexcept>
 #include <string>
 
@@ -40,6 +41,16 @@ struct Walk
   explicit Walk(const std::string& name) : robot(load_robot(name))
   {
     name == "human-subject01" ? measured() : generated();
+  }
+  // the same with up to ± 5 rad/s² on every link, as feedback asks for them
+  static std::vector<DesiredState> disturbed(std::vector<DesiredState> states, int links)
+  {
+    std::minstd_rand random(1);
+    std::uniform_real_distribution<double> more(-5.0, 5.0);
+    for (DesiredState& state : states)
+      for (int k = 0; k < links; ++k)
+        state.a(k) += more(random);
+    return states;
   }
 
 private:
@@ -264,12 +275,9 @@ double clock_alone()
 
 // One call after another, each timed by itself and without the clock's own time: what a batch does not tell is how the
 // slow ones compare.
-void call_by_call(const Walk& walk, const std::string& robot, Method method, const std::string& name, Rounds& rounds,
-                  bool quick)
+void call_by_call(const Walk& walk, const std::vector<DesiredState>& states, const std::string& robot,
+                  const AnswerSettings& settings, const std::string& name, Rounds& rounds, bool quick)
 {
-  const std::vector<DesiredState>& states = method == Method::none ? walk.single : walk.both;
-  AnswerSettings settings;
-  settings.methods.method = method;
   StreamMemory memory;
   std::vector<double> ns;
   for (int pass = quick ? 1 : 20; pass > 0; --pass)
@@ -409,6 +417,12 @@ void promise_all(const std::string& robot, const std::string& mujoco, Rounds& ro
   // at the measured walk's 99th percentile windows give way: four programs in turn
   rounds.promise(
       {robot + ", call by call", "constrained p99", "single support p50", robot == "human-subject01" ? 40.0 : 10.0});
+  const std::string group = robot + ", call by call";
+  for (const std::string support : {"single", "double"})
+  {
+    rounds.promise({group, "nearest, " + support + " support p50", "single support p50", 10.0});
+    rounds.promise({group, "nearest, " + support + " support p99", "single support p50", 20.0});
+  }
 }
 
 } // namespace
@@ -426,8 +440,22 @@ void measure_computations(Rounds& rounds, bool quick)
   benchmark::RunSpecifiedBenchmarks(&keeper);
   for (const std::unique_ptr<Subject>& subject : subjects())
   {
-    call_by_call(subject->walk, subject->name, Method::none, "single support", rounds, quick);
-    call_by_call(subject->walk, subject->name, Method::constrained, "constrained", rounds, quick);
+    const Walk& walk = subject->walk;
+    const auto each_call = [&](const std::vector<DesiredState>& states, OnInfeasible infeasible,
+                               const std::string& name)
+    {
+      AnswerSettings settings;
+      settings.methods.infeasible = infeasible;
+      call_by_call(walk, states, subject->name, settings, name, rounds, quick);
+    };
+    each_call(walk.single, OnInfeasible::relax, "single support");
+    each_call(walk.both, OnInfeasible::relax, "constrained");
+    // where nothing gives, and where the acceleration does
+    each_call(walk.single, OnInfeasible::nearest, "single support, had");
+    each_call(walk.both, OnInfeasible::nearest, "constrained, had");
+    const int links = walk.robot.num_coordinates();
+    each_call(Walk::disturbed(walk.single, links), OnInfeasible::nearest, "nearest, single support");
+    each_call(Walk::disturbed(walk.both, links), OnInfeasible::nearest, "nearest, double support");
     promise_all(subject->name, std::string(subject->peers.front()->name()), rounds);
   }
 }

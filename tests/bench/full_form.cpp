@@ -1,5 +1,7 @@
 #include "bench/full_form.h"
 
+#include "methods/contact_conditions.h"
+
 #include <Eigen/Cholesky>
 #include <Eigen/QR>
 #include <algorithm>
