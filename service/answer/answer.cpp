@@ -108,25 +108,85 @@ TorqueRange torque_range(const Robot& robot, const AnswerSettings& settings, con
   return range;
 }
 
-// change: a − a_d, if another motion is answered, whose equations are then these
-Result<TorqueSolution> solve(const Robot& robot, const AnswerSettings& settings, const DesiredState& desired,
-                             const Elapsed& elapsed, const StreamMemory& memory, SupportEquations& equations,
-                             std::optional<VectorQ>& change)
+// What belongs together while a sample is answered. asked, desired: the motion as it was sent, and as it was projected,
+// if it was.
+struct Sample
 {
-  if (settings.methods.infeasible != OnInfeasible::nearest)
-    return solve_torques(robot, equations, desired.support, desired.method, settings.methods,
-                         settings.residual_tolerance);
-  Result<NearestMotion> nearest =
-      nearest_motion(robot, desired.support, desired.method, settings.methods, settings.nearest,
-                     torque_range(robot, settings, elapsed, memory), equations);
-  if (const Refusal* refusal = std::get_if<Refusal>(&nearest))
-    return *refusal;
-  change = std::get<NearestMotion>(nearest).change;
-  return std::get<NearestMotion>(nearest).solution;
+  const Robot& robot;
+  const AnswerSettings& settings;
+  const DesiredState &asked, &desired;
+  const ContactErrors& errors;
+  const Elapsed& elapsed;
+  StreamMemory& memory;
+  const std::optional<OwnClock>& clock;
+};
+
+// equations: of the motion that is answered; a: its acceleration; moved: whether that is another than was asked for
+std::optional<Refusal> complete(const Sample& sample, const SupportEquations& equations, const VectorQ& a, bool moved,
+                                std::int32_t flags, TorqueSolution& solution, Answer& answer)
+{
+  const Robot& robot = sample.robot;
+  const DesiredState& desired = sample.desired;
+  StreamMemory& memory = sample.memory;
+  const Elapsed& elapsed = sample.elapsed;
+  answer.utime = desired.utime;
+  answer.stream_id = desired.stream_id;
+  answer.method = solution.method;
+  for (std::size_t side = 0; side < 2; ++side)
+  {
+    const Contact contact = desired.support.contact[side];
+    if (contact == Contact::none)
+      continue;
+    answer.ground[side] = ground_reaction(robot, robot.feet[side], equations.feet[side], solution.ground[side]);
+    flags |= contact_flags(robot, robot.feet[side], equations.feet[side], contact, solution.ground[side]);
+  }
+  flags |= solution.clamped ? flag::clamped : 0;
+  flags |= solution.relaxed ? flag::relaxed : 0;
+  answer.zmp = zero_moment_point(robot, equations);
+  answer.contact_speed = sample.errors.speed;
+  answer.contact_residual = sample.errors.acceleration;
+  set_accelerations(robot, sample.asked, a, moved, answer);
+  if (!robot.fixed_root())
+    answer.base_a = equations.base_acceleration;
+  if (!keeps_limits(robot, elapsed, memory, solution.torque))
+  {
+    if (const auto refusal = check_magnitude(robot, solution.torque))
+      return *refusal;
+    if (const auto refusal = apply_limits(robot, sample.settings, elapsed, memory, solution.torque, flags))
+      return *refusal;
+  }
+  answer.dynamics_residual = dynamics_residual(robot, equations, solution);
+  answer.flags = flags;
+  answer.torque = solution.torque;
+  if (!all_finite(answer))
+    return Refusal(Reason::numerical, "a result is not finite; the motion's numbers are too large");
+
+  memory.answered = true;
+  memory.stream_id = desired.stream_id;
+  memory.utime = desired.utime;
+  memory.now = sample.clock ? sample.clock->now : 0;
+  memory.ahead = elapsed.ahead;
+  memory.torque = solution.torque;
+  return {};
 }
 
-// asked, desired: the motion as it was sent, and the one that is answered. before: how far the motion was from its
-// contacts before it was projected; empty if it was not
+// the same by the nearest motion that can be had
+std::optional<Refusal> answer_nearest(const Sample& sample, SupportEquations& equations, std::int32_t flags,
+                                      Answer& answer)
+{
+  const auto& [robot, settings, asked, desired, errors, elapsed, memory, clock] = sample;
+  Result<NearestMotion> found =
+      nearest_motion(robot, desired.support, desired.method, settings.methods, settings.nearest,
+                     torque_range(robot, settings, elapsed, memory), equations);
+  if (const Refusal* refusal = std::get_if<Refusal>(&found))
+    return *refusal;
+  auto& [solution, change] = std::get<NearestMotion>(found);
+  if (!change)
+    return complete(sample, equations, desired.a, (flags & flag::projected) != 0, flags, solution, answer);
+  return complete(sample, equations, desired.a + *change, true, flags | flag::adjusted, solution, answer);
+}
+
+// before: how far the motion was from its contacts before it was projected; empty if it was not
 std::optional<Refusal> answer_motion(const Robot& robot, const AnswerSettings& settings, const DesiredState& asked,
                                      const DesiredState& desired, const std::optional<ContactErrors>& before,
                                      StreamMemory& memory, const std::optional<OwnClock>& clock, Answer& answer)
@@ -148,57 +208,16 @@ std::optional<Refusal> answer_motion(const Robot& robot, const AnswerSettings& s
     return *refusal;
 
   const Elapsed elapsed = elapsed_since(memory, desired, clock);
-  std::optional<VectorQ> change;
-  Result<TorqueSolution> solved = solve(robot, settings, desired, elapsed, memory, equations, change);
+  const Sample sample{robot, settings, asked, desired, errors, elapsed, memory, clock};
+  if (settings.methods.infeasible == OnInfeasible::nearest)
+    return answer_nearest(sample, equations, flags, answer);
+
+  Result<TorqueSolution> solved =
+      solve_torques(robot, equations, desired.support, desired.method, settings.methods, settings.residual_tolerance);
   if (const Refusal* refusal = std::get_if<Refusal>(&solved))
     return *refusal;
-  TorqueSolution& solution = std::get<TorqueSolution>(solved);
-
-  answer.utime = desired.utime;
-  answer.stream_id = desired.stream_id;
-  answer.method = solution.method;
-  for (std::size_t side = 0; side < 2; ++side)
-  {
-    const Contact contact = desired.support.contact[side];
-    if (contact == Contact::none)
-      continue;
-    answer.ground[side] = ground_reaction(robot, robot.feet[side], equations.feet[side], solution.ground[side]);
-    flags |= contact_flags(robot, robot.feet[side], equations.feet[side], contact, solution.ground[side]);
-  }
-  flags |= solution.clamped ? flag::clamped : 0;
-  flags |= solution.relaxed ? flag::relaxed : 0;
-  answer.zmp = zero_moment_point(robot, equations);
-  answer.contact_speed = errors.speed;
-  answer.contact_residual = errors.acceleration;
-  if (change)
-  {
-    flags |= flag::adjusted;
-    set_accelerations(robot, asked, desired.a + *change, true, answer);
-  }
-  else
-    set_accelerations(robot, asked, desired.a, (flags & flag::projected) != 0, answer);
-  if (!robot.fixed_root())
-    answer.base_a = equations.base_acceleration;
-  if (!keeps_limits(robot, elapsed, memory, solution.torque))
-  {
-    if (const auto refusal = check_magnitude(robot, solution.torque))
-      return *refusal;
-    if (const auto refusal = apply_limits(robot, settings, elapsed, memory, solution.torque, flags))
-      return *refusal;
-  }
-  answer.dynamics_residual = dynamics_residual(robot, equations, solution);
-  answer.flags = flags;
-  answer.torque = solution.torque;
-  if (!all_finite(answer))
-    return Refusal(Reason::numerical, "a result is not finite; the motion's numbers are too large");
-
-  memory.answered = true;
-  memory.stream_id = desired.stream_id;
-  memory.utime = desired.utime;
-  memory.now = clock ? clock->now : 0;
-  memory.ahead = elapsed.ahead;
-  memory.torque = solution.torque;
-  return {};
+  return complete(sample, equations, desired.a, (flags & flag::projected) != 0, flags,
+                  std::get<TorqueSolution>(solved), answer);
 }
 
 } // namespace
