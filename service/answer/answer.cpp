@@ -216,8 +216,8 @@ std::optional<Refusal> answer_motion(const Robot& robot, const AnswerSettings& s
       solve_torques(robot, equations, desired.support, desired.method, settings.methods, settings.residual_tolerance);
   if (const Refusal* refusal = std::get_if<Refusal>(&solved))
     return *refusal;
-  return complete(sample, equations, desired.a, (flags & flag::projected) != 0, flags,
-                  std::get<TorqueSolution>(solved), answer);
+  return complete(sample, equations, desired.a, (flags & flag::projected) != 0, flags, std::get<TorqueSolution>(solved),
+                  answer);
 }
 
 } // namespace

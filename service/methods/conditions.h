@@ -111,8 +111,8 @@ public:
       write(Columns::Zero(), 1.0, Rank::contact);
   }
 
-  /// Adds τ ≤ most and −τ ≤ −least of all motors, by τ = τ0 + T y, where what is not bounded has 0 ≤ 1; nothing where no
-  /// motor is bounded.
+  /// Adds τ ≤ most and −τ ≤ −least of all motors, by τ = τ0 + T y, where what is not bounded has 0 ≤ 1; nothing where
+  /// no motor is bounded.
   void add_motors(const Robot& robot, const ReactionTorques& torques, const TorqueRange& range,
                   const Eigen::Vector3d& unit)
   {

@@ -54,6 +54,7 @@ public:
   void push_back(const ContactCondition& condition) { all_[size_++] = condition; }
   int size() const { return static_cast<int>(size_); }
   ContactCondition* begin() { return all_.data(); }
+  ContactCondition* end() { return all_.data() + size_; }
   const ContactCondition* begin() const { return all_.data(); }
   const ContactCondition* end() const { return all_.data() + size_; }
 

@@ -26,8 +26,7 @@ MatrixQ mass_with_rotors(const Robot& robot, const Kinematics& now)
     for (const auto& [row, joint, share] : robot.B)
       for (const auto& [column, other_joint, other_share] : robot.B)
         if (joint == other_joint)
-          mass(row, column) +=
-              share * other_share * robot.actuators[static_cast<std::size_t>(joint)].rotor_inertia;
+          mass(row, column) += share * other_share * robot.actuators[static_cast<std::size_t>(joint)].rotor_inertia;
   return mass;
 }
 
@@ -79,7 +78,7 @@ void MotionSpace::fill_columns(const Robot& robot, const SupportEquations& equat
   else if (all.rank() == 2)
   {
     // the moment about a contact point at l from the base point, d_3 − l_x d_2 + l_z d_1
-    const Side side = support.redundancy() > 0                     ? support.trailing()
+    const Side side = support.redundancy() > 0                  ? support.trailing()
                       : support.of(Side::left) != Contact::none ? Side::left
                                                                 : Side::right;
     const Eigen::Vector2d& l = equations.standing[side].point;

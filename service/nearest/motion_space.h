@@ -7,8 +7,8 @@
 namespace torqued
 {
 
-/// All changes δ = a − a_d of a motion after which the contacts rest, or accelerate as desired, and the ground can supply
-/// what the rows without motors ask, by a distance ½ δᵀ W δ:
+/// All changes δ = a − a_d of a motion after which the contacts rest, or accelerate as desired, and the ground can
+/// supply what the rows without motors ask, by a distance ½ δᵀ W δ:
 ///
 ///   E δ = −e,   δ = δ0 + F ζ,   E F = 0,   Fᵀ W F = 1,   δ0ᵀ W F = 0,   so   ½ δᵀ W δ = ½ |ζ|² + a constant
 ///
@@ -64,13 +64,13 @@ private:
   int reflected_ = 0; // all reflections, those of M̂ N_B among them
   bool singular_ = false, contradictory_ = false;
   MatrixQ mass_;
-  Square root_;       // W, then U with W = Uᵀ U
-  Vector per_pivot_;  // one over U's diagonal
-  Columns columns_;   // [Eᵀ, M̂ N_B], then U⁻ᵀ of them, then Qᵀ of that
+  Square root_;        // W, then U with W = Uᵀ U
+  Vector per_pivot_;   // one over U's diagonal
+  Columns columns_;    // [Eᵀ, M̂ N_B], then U⁻ᵀ of them, then Qᵀ of that
   Columns reflectors_; // v of each reflection 1 − β v vᵀ, as a column
   std::array<double, kColumns> beta_;
   std::array<double, kColumns> error_; // of the rows of E
-  Vector least_; // Qᵀ U δ0: beyond the rank 0
+  Vector least_;                       // Qᵀ U δ0: beyond the rank 0
   Eigen::Vector3d d0_;
   Eigen::Matrix3d D_;
 };

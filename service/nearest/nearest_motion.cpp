@@ -57,9 +57,13 @@ ContactConditions without_windows(const Robot& robot, const SupportEquations& eq
                                   const ContactBounds& bounds)
 {
   ContactConditions conditions;
-  for (const ContactCondition& condition : contact_conditions(robot, equations, support, bounds))
-    if (!condition.is_window && !robot.is_root(robot.foot(condition.side)))
-      conditions.push_back(condition);
+  const Eigen::Matrix3d unit = Eigen::Matrix3d::Identity();
+  for_each_condition(robot, equations, support, bounds,
+                     [&](Side side, double bound, double factor, bool is_window, const auto& form)
+                     {
+                       if (!is_window && !robot.is_root(robot.foot(side)))
+                         conditions.push_back({side, form(unit.col(0), unit.col(1), unit.col(2)), bound, factor});
+                     });
   return conditions;
 }
 
@@ -103,21 +107,20 @@ public:
   Result<NearestMotion> find();
 
 private:
-  struct Choice
-  {
-    Reactions reactions;
-    Method method;
-  };
-
   const Constrained& constrained_settings() const { return methods_.of<Constrained>(); }
 
-  std::optional<TorqueSolution> usual(const AdmissibleReactions& all) const;
-  Result<std::optional<Choice>> choose() const;
+  std::optional<Reactions> usual(const AdmissibleReactions& all) const;
+  Result<std::optional<TorqueSolution>> choose() const;
   std::optional<Reactions> nearest_reactions(const AdmissibleReactions& all, const WrenchVector& reference,
                                              const ReactionLimits& limits) const;
   void move_to(const MotionSpace& space, const VectorQ& delta);
-  NearestMotion answer(const Choice& choice, bool relaxed) const;
+  TorqueSolution torques_of(const Reactions& reactions, Method used) const
+  {
+    return TorqueSolution(robot_, equations_, support_, used, reactions.w, reactions.clamped, reactions.relaxed);
+  }
+  Result<NearestMotion> answer(const TorqueSolution& chosen, bool relaxed) const;
   TorqueRange narrowed(double room) const;
+  ReactionLimits with_room() const;
 
   // level 1
   struct Program
@@ -140,77 +143,52 @@ private:
   VectorQ moved_; // from the desired acceleration
 };
 
-// the answer without any of this, if it keeps the limits
-std::optional<TorqueSolution> Nearest::usual(const AdmissibleReactions& all) const
+// what would be chosen without any of this
+std::optional<Reactions> Nearest::usual(const AdmissibleReactions& all) const
 {
-  const Method used = all.redundancy == 0 ? Method::none : method_;
-  std::optional<Reactions> reactions;
-  if (used == Method::none)
-    reactions.emplace(all.w0());
-  else if (used == Method::constrained)
+  if (all.redundancy == 0)
+    return Reactions(all.w0());
+  if (method_ == Method::constrained)
   {
     const auto chosen = constrained_within(robot_, equations_, support_, all, constrained_settings(), nullptr);
-    if (const auto* found = std::get_if<std::optional<Reactions>>(&chosen))
-      reactions = *found;
+    const auto* found = std::get_if<std::optional<Reactions>>(&chosen);
+    return found ? *found : std::nullopt;
   }
-  else
-  {
-    const MethodRow& row = torqued::methods()[static_cast<std::size_t>(used) - 1];
-    const Result<Reactions> chosen = row.choose({robot_, equations_, support_, all, methods_});
-    if (const auto* found = std::get_if<Reactions>(&chosen))
-      reactions = *found;
-  }
-  if (!reactions)
-    return {};
-  TorqueSolution solution(robot_, equations_, support_, used, reactions->w, reactions->clamped, reactions->relaxed);
-  if (!keeps(robot_, support_, limits_, solution.w, solution.torque, kKept))
-    return {};
-  return solution;
+  const MethodRow& row = torqued::methods()[static_cast<std::size_t>(method_) - 1];
+  const Result<Reactions> chosen = row.choose({robot_, equations_, support_, all, methods_});
+  const auto* found = std::get_if<Reactions>(&chosen);
+  return found ? std::optional(*found) : std::nullopt;
 }
 
 // level 2, for the motion as it now is; nothing if no reactions keep the limits
-Result<std::optional<Nearest::Choice>> Nearest::choose() const
+Result<std::optional<TorqueSolution>> Nearest::choose() const
 {
-  using Chosen = std::optional<Choice>;
+  using Chosen = std::optional<TorqueSolution>;
   constexpr double share = 0.5 * kRoom;
-  ReactionLimits limits{limits_.contacts, narrowed(kRoom)};
-  for (ContactCondition& condition : limits.contacts)
-    condition.bound += kRoom / condition.factor;
+  const ReactionLimits limits = with_room();
   const AdmissibleReactions all = admissible_reactions(robot_, equations_, support_);
-  const auto torque_of = [&](const WrenchVector& w)
-  {
-    return TorqueSolution(robot_, equations_, support_, Method::none, w).torque;
-  };
-  if (all.redundancy == 0)
-  {
-    const WrenchVector w = all.w0();
-    if (!keeps(robot_, support_, limits, w, torque_of(w), share))
-      return Result<Chosen>(std::in_place_type<Chosen>);
-    return Result<Chosen>(std::in_place_type<Chosen>, Choice{Reactions(w), Method::none});
-  }
-  if (method_ != Method::constrained)
-  {
-    const MethodRow& row = torqued::methods()[static_cast<std::size_t>(method_) - 1];
-    const Result<Reactions> chosen = row.choose({robot_, equations_, support_, all, methods_});
-    if (const auto* own = std::get_if<Reactions>(&chosen))
+  if (all.redundancy == 0 || method_ != Method::constrained)
+    if (const std::optional<Reactions> own = usual(all))
     {
-      if (keeps(robot_, support_, limits, own->w, torque_of(own->w), share))
-        return Result<Chosen>(std::in_place_type<Chosen>, Choice{*own, method_});
-      if (std::optional<Reactions> nearest = nearest_reactions(all, own->w, limits))
-      {
-        nearest->clamped = own->clamped;
-        return Result<Chosen>(std::in_place_type<Chosen>, Choice{*nearest, method_});
-      }
+      Result<Chosen> chosen(std::in_place_type<Chosen>, torques_of(*own, all.redundancy == 0 ? Method::none : method_));
+      const TorqueSolution& found = *std::get<Chosen>(chosen);
+      if (keeps(robot_, support_, limits, found.w, found.torque, share))
+        return chosen;
+      if (all.redundancy > 0)
+        if (std::optional<Reactions> nearest = nearest_reactions(all, own->w, limits))
+        {
+          nearest->clamped = own->clamped;
+          return Result<Chosen>(std::in_place_type<Chosen>, torques_of(*nearest, method_));
+        }
       return Result<Chosen>(std::in_place_type<Chosen>);
     }
-  }
   const auto chosen = constrained_within(robot_, equations_, support_, all, constrained_settings(), &limits);
   if (const Refusal* refusal = std::get_if<Refusal>(&chosen))
     return *refusal;
   const auto& found = std::get<std::optional<Reactions>>(chosen);
   if (!found)
     return Result<Chosen>(std::in_place_type<Chosen>);
-  return Result<Chosen>(std::in_place_type<Chosen>, Choice{*found, Method::constrained});
+  return Result<Chosen>(std::in_place_type<Chosen>, torques_of(*found, Method::constrained));
 }
 
 // the reactions that keep the limits, in least squares of their distance from others
@@ -281,6 +259,15 @@ TorqueRange Nearest::narrowed(double room) const
     range.least(j) += less;
   }
   return range;
+}
+
+// what a method chooses within
+ReactionLimits Nearest::with_room() const
+{
+  ReactionLimits limits{limits_.contacts, narrowed(kRoom)};
+  for (ContactCondition& condition : limits.contacts)
+    condition.bound += kRoom / condition.factor;
+  return limits;
 }
 
 // Level 1: ½ |ζ|² over ζ and y. Without motors three of ζ are enough.
@@ -404,16 +391,15 @@ bool Nearest::relax(Program& built, std::bitset<kMaxRows>& active)
   return true;
 }
 
-NearestMotion Nearest::answer(const Choice& choice, bool relaxed) const
+Result<NearestMotion> Nearest::answer(const TorqueSolution& chosen, bool relaxed) const
 {
-  NearestMotion found{TorqueSolution(robot_, equations_, support_, choice.method, choice.reactions.w,
-                                     choice.reactions.clamped, choice.reactions.relaxed || relaxed),
-                      moved_};
+  Result<NearestMotion> result(std::in_place_type<NearestMotion>, chosen, moved_);
+  TorqueSolution& found = std::get<NearestMotion>(result).solution;
+  found.relaxed |= relaxed;
   // what rounding left beyond the range
-  VectorJ& torque = found.solution.torque;
-  for (int j = 0; j < torque.size(); ++j)
-    torque(j) = std::clamp(torque(j), limits_.torques.least(j), limits_.torques.most(j));
-  return found;
+  for (int j = 0; j < found.torque.size(); ++j)
+    found.torque(j) = std::clamp(found.torque(j), limits_.torques.least(j), limits_.torques.most(j));
+  return result;
 }
 
 Result<NearestMotion> Nearest::find()
@@ -426,8 +412,14 @@ Result<NearestMotion> Nearest::find()
       all.unmet.head<2>().cwiseAbs().maxCoeff() <= force && std::abs(all.unmet(2)) <= force * robot_.leg_length;
   const bool rests = error.size() == 0 || error.cwiseAbs().maxCoeff() <= kKept * contact_scale(equations_, support_);
   if (met && rests)
-    if (const std::optional<TorqueSolution> found = usual(all))
-      return NearestMotion{*found, {}};
+    if (const std::optional<Reactions> own = usual(all))
+    {
+      Result<NearestMotion> result(std::in_place_type<NearestMotion>,
+                                   torques_of(*own, all.redundancy == 0 ? Method::none : method_), std::nullopt);
+      const TorqueSolution& found = std::get<NearestMotion>(result).solution;
+      if (keeps(robot_, support_, limits_, found.w, found.torque, kKept))
+        return result;
+    }
 
   const MotionSpace space(robot_, equations_, support_, all, error, settings_.metric);
   if (space.singular())
@@ -444,8 +436,8 @@ Result<NearestMotion> Nearest::find()
     const auto chosen = choose();
     if (const Refusal* refusal = std::get_if<Refusal>(&chosen))
       return *refusal;
-    if (const auto& choice = std::get<std::optional<Choice>>(chosen))
-      return answer(*choice, contradictory);
+    if (const auto& found = std::get<std::optional<TorqueSolution>>(chosen))
+      return answer(*found, contradictory);
   }
 
   const VectorQ least = moved_;
@@ -476,8 +468,8 @@ Result<NearestMotion> Nearest::find()
     const auto chosen = choose();
     if (const Refusal* refusal = std::get_if<Refusal>(&chosen))
       return *refusal;
-    if (const auto& choice = std::get<std::optional<Choice>>(chosen))
-      return answer(*choice, relaxed);
+    if (const auto& found = std::get<std::optional<TorqueSolution>>(chosen))
+      return answer(*found, relaxed);
     if (motors || !bounded)
     {
       // rounding has closed the one point that there was: that of level 1
@@ -485,8 +477,7 @@ Result<NearestMotion> Nearest::find()
       Eigen::Vector3d y = Eigen::Vector3d::Zero();
       for (int k = 0; k < now.redundancy; ++k)
         y(k) = variables(built.zeta + k);
-      const Method used = now.redundancy == 0 ? Method::none : method_;
-      return answer({Reactions(now, y), used}, relaxed);
+      return answer(torques_of(Reactions(now, y), now.redundancy == 0 ? Method::none : method_), relaxed);
     }
   }
   return Refusal(Reason::numerical, "the nearest motion was not found; the motion's numbers are too large");

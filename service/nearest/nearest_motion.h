@@ -36,6 +36,8 @@ namespace torqued
 /// What is answered.
 struct NearestMotion
 {
+  NearestMotion(const TorqueSolution& found, const std::optional<VectorQ>& moved) : solution(found), change(moved) {}
+
   TorqueSolution solution; ///< relaxed: conditions, windows or contacts gave way
   /// a − a_d, length num_q(); empty where the usual answer keeps all, which is then answered as it is.
   std::optional<VectorQ> change;

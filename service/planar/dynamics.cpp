@@ -71,22 +71,66 @@ Eigen::Vector3d inverse_dynamics(const Mechanism& mechanism, const Kinematics& n
   return whole;
 }
 
+namespace
+{
+
+// Adds Wᵀ X W to the corner of θ, X being value at (j, k) and transposed at (k, j), else 0. Few directions are bars,
+// which more than one of θ turn.
+void add_pair(const Mechanism& mechanism, int j, int k, double value, double transposed, MatrixQ& matrix)
+{
+  const int size = mechanism.num_theta();
+  if (j < size && k < size)
+  {
+    matrix(j, k) += value;
+    matrix(k, j) += transposed;
+    return;
+  }
+  const auto for_each_share = [&](int direction, const auto& function)
+  {
+    if (direction < size)
+      function(direction, 1.0);
+    else
+      for (const auto& [bar, column, share] : mechanism.shares_of_bars())
+        if (bar == direction)
+          function(column, share);
+  };
+  for_each_share(j,
+                 [&](int row, double row_share)
+                 {
+                   for_each_share(k,
+                                  [&](int column, double column_share)
+                                  {
+                                    matrix(row, column) += row_share * column_share * value;
+                                    matrix(column, row) += row_share * column_share * transposed;
+                                  });
+                 });
+}
+
+// Writes X W into the rows of the base point, column k of X being of_direction(k).
+template <typename Column> void set_base_rows(const Mechanism& mechanism, const Column& of_direction, MatrixQ& matrix)
+{
+  const int size = mechanism.num_theta();
+  auto rows = matrix.bottomRows(2);
+  for (int k = 0; k < size; ++k)
+    rows.col(k) = of_direction(k);
+  for (const auto& [bar, column, share] : mechanism.shares_of_bars())
+    rows.col(column) += share * of_direction(bar);
+}
+
+} // namespace
+
 MatrixQ mass_matrix(const Mechanism& mechanism, const Kinematics& now)
 {
   const int size = mechanism.num_theta();
-  const int directions = mechanism.num_directions();
-  const auto& W = mechanism.W();
-
-  MatrixD between = MatrixD::Zero(directions, directions);
-  for (const Mechanism::Pair& pair : mechanism.pairs())
-    between(pair.j, pair.k) = between(pair.k, pair.j) = now.e.col(pair.j).dot(rotate(pair.P, now.e.col(pair.k)));
-  PlaneVectors base(2, directions);
-  for (int k = 0; k < directions; ++k)
-    base.col(k) = perp(rotate(now.e.col(k), mechanism.moments().col(k)));
-
   MatrixQ M(size + 2, size + 2);
-  M.topLeftCorner(size, size) = W.transpose() * between * W + mechanism.inertia();
-  M.bottomLeftCorner(2, size) = base * W;
+  M.topLeftCorner(size, size) = mechanism.inertia();
+  for (const auto& [j, k, P] : mechanism.pairs())
+  {
+    const double value = now.e.col(j).dot(rotate(P, now.e.col(k)));
+    add_pair(mechanism, j, k, value, value, M);
+  }
+  set_base_rows(
+      mechanism, [&](int k) -> Eigen::Vector2d { return perp(rotate(now.e.col(k), mechanism.moments().col(k))); }, M);
   M.topRightCorner(size, 2) = M.bottomLeftCorner(2, size).transpose();
   M.bottomRightCorner<2, 2>() = mechanism.mass() * Eigen::Matrix2d::Identity();
   return M;
@@ -95,23 +139,15 @@ MatrixQ mass_matrix(const Mechanism& mechanism, const Kinematics& now)
 MatrixQ coriolis_matrix(const Mechanism& mechanism, const Kinematics& now)
 {
   const int size = mechanism.num_theta();
-  const int directions = mechanism.num_directions();
-  const auto& W = mechanism.W();
-
-  MatrixD between = MatrixD::Zero(directions, directions);
-  for (const Mechanism::Pair& pair : mechanism.pairs())
-  {
-    const double sine = cross(now.e.col(pair.j), rotate(pair.P, now.e.col(pair.k)));
-    between(pair.j, pair.k) = -sine * now.rate(pair.k);
-    between(pair.k, pair.j) = sine * now.rate(pair.j);
-  }
-  PlaneVectors base(2, directions);
-  for (int k = 0; k < directions; ++k)
-    base.col(k) = -now.rate(k) * rotate(now.e.col(k), mechanism.moments().col(k));
-
   MatrixQ C = MatrixQ::Zero(size + 2, size + 2);
-  C.topLeftCorner(size, size) = W.transpose() * between * W;
-  C.bottomLeftCorner(2, size) = base * W;
+  for (const auto& [j, k, P] : mechanism.pairs())
+  {
+    const double sine = cross(now.e.col(j), rotate(P, now.e.col(k)));
+    add_pair(mechanism, j, k, -sine * now.rate(k), sine * now.rate(j), C);
+  }
+  set_base_rows(
+      mechanism,
+      [&](int k) -> Eigen::Vector2d { return -now.rate(k) * rotate(now.e.col(k), mechanism.moments().col(k)); }, C);
   return C;
 }
 

@@ -44,7 +44,6 @@ using VectorQ = BoundedVector<kMaxCoordinates>;
 using MatrixQ = Bounded<kMaxCoordinates, kMaxCoordinates>;
 /// One number per direction.
 using VectorD = BoundedVector<kMaxDirections>;
-using MatrixD = Bounded<kMaxDirections, kMaxDirections>;
 /// One plane vector per direction, as columns; all x, then all z, in SIMD blocks of directions.
 using PlaneVectors = Eigen::Matrix<double, 2, Eigen::Dynamic, Eigen::RowMajor, 2, kMaxDirections>;
 /// A number of each direction of a block.

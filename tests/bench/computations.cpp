@@ -441,8 +441,8 @@ void measure_computations(Rounds& rounds, bool quick)
   for (const std::unique_ptr<Subject>& subject : subjects())
   {
     const Walk& walk = subject->walk;
-    const auto each_call = [&](const std::vector<DesiredState>& states, OnInfeasible infeasible,
-                               const std::string& name)
+    const auto each_call =
+        [&](const std::vector<DesiredState>& states, OnInfeasible infeasible, const std::string& name)
     {
       AnswerSettings settings;
       settings.methods.infeasible = infeasible;
