@@ -30,6 +30,17 @@ MatrixQ mass_with_rotors(const Robot& robot, const Kinematics& now)
   return mass;
 }
 
+// the coordinates that turn a direction, and how much
+template <typename Function> void for_each_share(const Mechanism& mechanism, int direction, const Function& function)
+{
+  if (direction < mechanism.num_theta())
+    function(direction, 1.0);
+  else
+    for (const auto& [bar, coordinate, share] : mechanism.shares_of_bars())
+      if (bar == direction)
+        function(coordinate, share);
+}
+
 } // namespace
 
 MotionSpace::MotionSpace(const Robot& robot, const SupportEquations& equations, const Support& support,
@@ -95,25 +106,32 @@ void MotionSpace::fill_columns(const Robot& robot, const SupportEquations& equat
       continue;
     const Foot& foot = robot.foot(side);
     const StandingFoot& standing = equations.standing[side];
-    const Eigen::Vector2d from_ankle = standing.point - standing.ankle;
-    for (int i = 0; i < wrench_components(contact); ++i)
+    const auto add = [&](int direction, const Eigen::Vector2d& r)
     {
-      const double scale = i < 2 ? 1.0 : std::max(foot.toe_x() - foot.heel_x(), kCoincident * robot.leg_length);
-      VectorQ row = VectorQ::Zero(n_);
-      if (i < 2)
-      {
-        const Eigen::Vector2d along = i == 0 ? Eigen::Vector2d::UnitX() : Eigen::Vector2d::UnitY();
-        int k = 0;
-        for (const Arm& arm : foot.ankle)
-          mechanism.add_from_direction(arm.direction, cross(standing.arms.col(k++), along), row);
-        if (contact != Contact::sole)
-          mechanism.add_from_direction(foot.direction, cross(from_ankle, along), row);
-        row.tail<2>() = along;
-      }
-      else
-        mechanism.add_from_direction(foot.direction, scale, row);
-      columns_.col(rows_).head(n_) = row;
-      error_[static_cast<std::size_t>(rows_++)] = scale * contact_error(support.row(side) + i);
+      for_each_share(mechanism, direction,
+                     [&](int coordinate, double share)
+                     {
+                       columns_(coordinate, rows_) -= share * r.y();
+                       columns_(coordinate, rows_ + 1) += share * r.x();
+                     });
+    };
+    for (std::size_t i = 0; i < foot.ankle.size(); ++i)
+      add(foot.ankle[i].direction, standing.arms.col(static_cast<int>(i)));
+    if (contact != Contact::sole)
+      add(foot.direction, standing.point - standing.ankle);
+    columns_(n_ - 2, rows_) = columns_(n_ - 1, rows_ + 1) = 1.0;
+    const int row = support.row(side);
+    const auto at = static_cast<std::size_t>(rows_);
+    error_[at] = contact_error(row);
+    error_[at + 1] = contact_error(row + 1);
+    rows_ += 2;
+    if (contact == Contact::sole)
+    {
+      const double length = std::max(foot.toe_x() - foot.heel_x(), kCoincident * robot.leg_length);
+      for_each_share(mechanism, foot.direction,
+                     [&](int coordinate, double share) { columns_(coordinate, rows_) += share * length; });
+      error_[at + 2] = length * contact_error(row + 2);
+      ++rows_;
     }
   }
   columns_.middleCols<3>(rows_) = M_N;
@@ -123,7 +141,8 @@ void MotionSpace::set_metric(const Robot& robot, NearestMetric metric)
 {
   root_.setZero();
   if (metric == NearestMetric::mass)
-    root_.topLeftCorner(n_, n_) = mass_;
+    for (int k = 0; k < n_; ++k) // symmetric
+      root_.row(k).head(n_) = mass_.col(k);
   else
   {
     const double per_length = 1.0 / (robot.leg_length * robot.leg_length);
@@ -139,7 +158,7 @@ void MotionSpace::set_metric(const Robot& robot, NearestMetric metric)
       root_(k, k) += 1.0;
 }
 
-// W = Uᵀ U by elimination, which takes the columns along
+// W = Uᵀ U by elimination, which takes the columns along; roots come last, because each step would wait for its own
 TORQUED_FOR_PROCESSORS
 void MotionSpace::divide_by_root()
 {
@@ -152,42 +171,60 @@ void MotionSpace::divide_by_root()
       singular_ = true;
       return;
     }
-    const double per_root = 1.0 / std::sqrt(pivot);
-    per_pivot_(k) = per_root;
-    root_.row(k) *= per_root;
-    columns_.row(k) *= per_root;
+    const double per_pivot = 1.0 / pivot;
+    per_pivot_(k) = per_pivot;
     for (int i = k + 1; i < n_; ++i)
     {
-      const double share = root_(k, i);
+      const double share = root_(k, i) * per_pivot;
       root_.row(i) -= share * root_.row(k);
       columns_.row(i) -= share * columns_.row(k);
     }
+  }
+  per_pivot_.head(n_) = per_pivot_.head(n_).cwiseSqrt();
+  for (int k = 0; k < n_; ++k)
+  {
+    root_.row(k) *= per_pivot_(k);
+    columns_.row(k) *= per_pivot_(k);
   }
 }
 
 TORQUED_FOR_PROCESSORS
 void MotionSpace::reflect()
 {
-  for (int j = 0; j < rows_ + 3; ++j)
+  using Row = Eigen::Matrix<double, 1, kColumns>;
+  const auto& columns = columns_;
+  const auto products = [&](int column, int from) // of all columns with one, from a row on
   {
-    double above = 0.0, below = 0.0;
-    for (int i = 0; i < n_; ++i)
-      (i < reflected_ ? above : below) += columns_(i, j) * columns_(i, j);
-    const bool of_E = j < rows_;
-    if (reflected_ == n_ || below <= (of_E ? kCoincident * kCoincident : 1e-30) * (above + below))
-      continue; // depends on those before it
+    Row even = Row::Zero(), odd = Row::Zero();
+    int i = from;
+    for (; i + 1 < n_; i += 2)
+    {
+      even += columns(i, column) * columns.row(i);
+      odd += columns(i + 1, column) * columns.row(i + 1);
+    }
+    if (i < n_)
+      even += columns(i, column) * columns.row(i);
+    return Row(even + odd);
+  };
+  const Row squares = columns.topRows(n_).colwise().squaredNorm();
+  for (int j = 0; j < rows_ + 3 && reflected_ < n_; ++j)
+  {
     const int r = reflected_;
-    const double norm = std::sqrt(below), first = columns_(r, j);
-    for (int i = r; i < n_; ++i)
-      reflectors_(i, r) = columns_(i, j);
-    reflectors_(r, r) += std::copysign(norm, first);
+    Row sum = products(j, r);
+    const double below = sum(j);
+    const bool of_E = j < rows_;
+    if (below <= (of_E ? kCoincident * kCoincident : 1e-30) * squares(j))
+      continue; // depends on those before it
+    const double norm = std::sqrt(below), first = columns(r, j), more = std::copysign(norm, first);
     const double beta = 1.0 / (below + std::abs(first) * norm);
-    Eigen::Matrix<double, 1, kColumns> sum = Eigen::Matrix<double, 1, kColumns>::Zero();
+    auto normal = normals_.col(r);
+    normal.setZero();
     for (int i = r; i < n_; ++i)
-      sum += reflectors_(i, r) * columns_.row(i);
-    sum *= beta;
+      normal(i) = columns(i, j);
+    normal(r) += more;
+    sum = beta * (sum + more * columns.row(r));
     for (int i = r; i < n_; ++i)
-      columns_.row(i) -= reflectors_(i, r) * sum;
+      columns_.row(i) -= normal(i) * sum;
     beta_[static_cast<std::size_t>(r)] = beta;
     ++reflected_;
     if (of_E)
@@ -227,44 +264,28 @@ void MotionSpace::least_change()
 }
 
 TORQUED_FOR_PROCESSORS
-VectorQ MotionSpace::from_reflected(Vector& u) const
+VectorQ MotionSpace::from_reflected(Vector u, int entries) const
 {
-  for (int r = reflected_ - 1; r >= 0; --r)
-  {
-    double sum = 0.0;
-    for (int i = r; i < n_; ++i)
-      sum += reflectors_(i, r) * u(i);
-    sum *= beta_[static_cast<std::size_t>(r)];
-    for (int i = r; i < n_; ++i)
-      u(i) -= sum * reflectors_(i, r);
-  }
-  VectorQ delta(n_);
+  for (int r = std::min(reflected_, entries) - 1; r >= 0; --r)
+    u -= beta_[static_cast<std::size_t>(r)] * normals_.col(r).dot(u) * normals_.col(r);
+  Vector delta = Vector::Zero();
   for (int i = n_ - 1; i >= 0; --i)
-  {
-    double left = u(i);
-    for (int k = i + 1; k < n_; ++k)
-      left -= root_(i, k) * delta(k);
-    delta(i) = left * per_pivot_(i);
-  }
-  return delta;
+    delta(i) = (u(i) - root_.row(i).dot(delta)) * per_pivot_(i);
+  return delta.head(n_);
 }
 
 VectorQ MotionSpace::change(const VectorQ& zeta) const
 {
   Vector u = least_;
   u.segment(rank_, zeta.size()) = zeta;
-  return from_reflected(u);
+  return from_reflected(u, rank_ + static_cast<int>(zeta.size()));
 }
 
 MatrixQ MotionSpace::basis() const
 {
   MatrixQ F(n_, size());
   for (int k = 0; k < size(); ++k)
-  {
-    Vector u = Vector::Zero();
-    u(rank_ + k) = 1.0;
-    F.col(k) = from_reflected(u);
-  }
+    F.col(k) = from_reflected(Vector::Unit(rank_ + k), rank_ + k + 1);
   return F;
 }
 

@@ -46,7 +46,7 @@ private:
   static constexpr int kColumns = 12; // at most six of E and three of M̂ N_B, filled up with zeros
   using Columns = Eigen::Matrix<double, kMaxCoordinates, kColumns, Eigen::RowMajor>;
   using Square = Eigen::Matrix<double, kMaxCoordinates, kMaxCoordinates, Eigen::RowMajor>;
-  using Vector = Eigen::Matrix<double, kMaxCoordinates, 1>;
+  using Vector = Eigen::Matrix<double, kMaxCoordinates, 1>; // 0 beyond n
 
   void fill_columns(const Robot& robot, const SupportEquations& equations, const Support& support,
                     const AdmissibleReactions& all, const WrenchVector& contact_error);
@@ -54,8 +54,8 @@ private:
   void divide_by_root();
   void reflect();
   void least_change();
-  // U⁻¹ Q u
-  VectorQ from_reflected(Vector& u) const;
+  // U⁻¹ Q u, u being 0 but for its first entries
+  VectorQ from_reflected(Vector u, int entries) const;
 
   int n_;             // of δ
   int hard_ = 0;      // rows of E that are not of J; they come first
@@ -64,10 +64,10 @@ private:
   int reflected_ = 0; // all reflections, those of M̂ N_B among them
   bool singular_ = false, contradictory_ = false;
   MatrixQ mass_;
-  Square root_;        // W, then U with W = Uᵀ U
-  Vector per_pivot_;   // one over U's diagonal
-  Columns columns_;    // [Eᵀ, M̂ N_B], then U⁻ᵀ of them, then Qᵀ of that
-  Columns reflectors_; // v of each reflection 1 − β v vᵀ, as a column
+  Square root_;                                              // W, then U with W = Uᵀ U
+  Vector per_pivot_;                                         // one over U's diagonal
+  Columns columns_;                                          // [Eᵀ, M̂ N_B], then U⁻ᵀ of them, then Qᵀ of that
+  Eigen::Matrix<double, kMaxCoordinates, kColumns> normals_; // v of each reflection 1 − β v vᵀ
   std::array<double, kColumns> beta_;
   std::array<double, kColumns> error_; // of the rows of E
   Vector least_;                       // Qᵀ U δ0: beyond the rank 0
