@@ -108,7 +108,7 @@ cells() # HEADING: what the first cells of the table there name
 }
 page=$5
 cells '## Flags' > "$folder/page"
-numbered torque_command_t | grep -vxE 'ADJUSTED 1024|PRIOR 4096' | sort > "$folder/program"
+numbered torque_command_t | grep -vx 'PRIOR 4096' | sort > "$folder/program"
 compare "$5, flags"
 cells '## Rejections' > "$folder/page"
 numbered rejection_t | sort > "$folder/program"

@@ -11,8 +11,11 @@ QuadraticProgramSolution solve_semidefinite(const QuadraticProgram& program, con
 {
   using enum QuadraticProgramStatus;
   constexpr int kMaxRounds = 30;
+  const Eigen::Index n = program.g.size();
   double weight = 1e-6;                                    // of the distance, beside the objective
   double before = std::numeric_limits<double>::infinity(); // the last distance
+  // less would leave H, where it is flat, with nothing but rounding
+  const double least_weight = n == 0 ? 1e-12 : std::max(1e-12, 1e-10 * program.H.diagonal().maxCoeff());
 
   QuadraticProgram step = program;
   BoundedVector<kMaxVariables> y = from;
@@ -39,7 +42,7 @@ QuadraticProgramSolution solve_semidefinite(const QuadraticProgram& program, con
     if (weight * distance <= 1e-14)
       break;
     if (distance > 0.1 * before)
-      weight = std::max(0.1 * weight, 1e-12);
+      weight = std::max(0.1 * weight, least_weight);
     before = distance;
   }
   found.y = y;
