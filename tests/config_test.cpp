@@ -322,4 +322,17 @@ TEST_CASE("weights that do not fit the robot are refused before it moves", "[con
   }
 }
 
+TEST_CASE("a margin that leaves nothing of a sole is refused; a robot without soles takes any", "[config]")
+{
+  const auto with = [](double margin)
+  {
+    return read_config(fmt::format("[nearest]\nmargin = {}\n", margin), "t.toml");
+  };
+  CHECK_NOTHROW(check_fits(with(0.109), load_robot("ck")));
+  CHECK_NOTHROW(check_fits(with(0.2), load_robot("rabbit")));
+  CHECK_THROWS_WITH(check_fits(with(0.11), load_robot("ck")),
+                    "the configuration does not fit ck: nearest: margin: found 0.11 m; off both ends it leaves nothing "
+                    "of the left sole of ck, expected less than 0.11 m");
+}
+
 } // namespace config_test

@@ -341,7 +341,7 @@ Config read_config(std::string_view text, const std::string& file)
 
 void check_fits(const Config& config, const Robot& robot)
 {
-  if (const auto wrong = complaint(config.answers, robot.num_joints()))
+  if (const auto wrong = complaint(config.answers, robot))
     throw FileError("the configuration does not fit " + robot.name + ": " + *wrong);
 }
 

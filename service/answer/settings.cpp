@@ -128,11 +128,19 @@ std::int64_t settings_id(AnswerSettings settings)
   return hash.id();
 }
 
-std::optional<std::string> complaint(AnswerSettings settings, int num_joints)
+std::optional<std::string> complaint(AnswerSettings settings, const Robot& robot)
 {
-  FitCheck check(num_joints);
+  FitCheck check(robot.num_joints());
   list(settings, check);
-  return check.complaint();
+  if (check.complaint())
+    return check.complaint();
+  for (const Foot& foot : robot.feet)
+    if (const double half = 0.5 * (foot.toe_x() - foot.heel_x());
+        foot.exists() && foot.has_extent() && settings.nearest.margin >= half)
+      return fmt::format("nearest: margin: found {} m; off both ends it leaves nothing of the {} sole of {}, expected "
+                         "less than {:.4g} m",
+                         settings.nearest.margin, name_of(foot.side), robot.name, half);
+  return {};
 }
 
 } // namespace torqued
