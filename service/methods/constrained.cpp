@@ -188,31 +188,37 @@ Result<std::optional<Reactions>> choose(const Robot& robot, const SupportEquatio
 
   // motors take part only where one of them would be beyond its limit without it; mostly none is
   const TorqueRange* range = limits ? &limits->torques : nullptr;
+  const BoundedVector<kMaxRows> bounds = program.rows.b;
+  QuadraticProgramSolution solution;
+  bool relaxed = false;
+  const auto solve_with_windows = [&](const std::bitset<kMaxRows>& start)
+  {
+    solution = solve(program, start);
+    relaxed = solution.status == QuadraticProgramStatus::infeasible;
+    if (relaxed && windows_give_way(conditions, solution.active))
+      solution = solve(program, solution.active);
+  };
   const auto add_motors = [&]
   {
+    program.rows.b = bounds;
     conditions.add_motors(robot, torques, range ? *range : TorqueRange(robot), unit);
   };
-  QuadraticProgramSolution solution = solve(program);
-  if (solution.status == QuadraticProgramStatus::infeasible)
-    add_motors();
-  else if (solution.status == QuadraticProgramStatus::optimal &&
-           !within_limits(robot, torques, range, in_units(solution, unit)))
+  solve_with_windows({});
+  if (solution.status == QuadraticProgramStatus::optimal &&
+      !within_limits(robot, torques, range, in_units(solution, unit)))
   {
     add_motors();
-    solution = solve(program, solution.active);
+    solve_with_windows(solution.active);
   }
-  const bool relaxed = solution.status == QuadraticProgramStatus::infeasible;
-  if (relaxed)
+  else if (solution.status == QuadraticProgramStatus::infeasible && !within)
+    add_motors();
+  if (solution.status == QuadraticProgramStatus::infeasible)
   {
-    if (!windows_give_way(conditions, solution.active))
-    {
-      if (within)
-        return Result<Chosen>(std::in_place_type<Chosen>);
-      if (const std::optional<Refusal> refusal = give_way(equations, relax, conditions))
-        return *refusal;
-      solution.active.reset();
-    }
-    solution = solve(program, solution.active);
+    if (within)
+      return Result<Chosen>(std::in_place_type<Chosen>);
+    if (const std::optional<Refusal> refusal = give_way(equations, relax, conditions))
+      return *refusal;
+    solution = solve(program);
   }
   if (solution.status != QuadraticProgramStatus::optimal)
     return Refusal(Reason::numerical, "the optimisation did not end; the motion's numbers are too large");
