@@ -15,8 +15,14 @@ using namespace torqued;
 namespace
 {
 
-// All that clients can send: desired states by each method, some that are refused, requests for the equation of motion
-// and for what cannot be, other daemons' statuses. Waits until each is dealt with.
+// A configuration by which the nearest motion is answered.
+std::string nearest_configuration(const TemporaryFolder& folder)
+{
+  return folder.write("nearest.toml", "infeasible = \"nearest\"\n[nearest]\ncontact_damping = 40\nmargin = 0.005\n");
+}
+
+// All that clients can send: desired states by each method, some that cannot be had, some that are refused, requests
+// for the equation of motion and for what cannot be, other daemons' statuses. Waits until each is dealt with.
 void send_all_kinds(Bench& bench)
 {
   for (int round = 0; round < 20; ++round)
@@ -25,6 +31,8 @@ void send_all_kinds(Bench& bench)
       const std::size_t before = bench.disposed();
       desired_state_t desired = bench.standing();
       desired.method = method;
+      for (std::size_t i = 0; i < desired.a.size(); ++i)
+        desired.a[i] = round / 2 * std::sin(static_cast<double>(i) + method);
       if (round % 5 == 1)
         desired.right_contact = desired_state_t::NONE;
       if (round % 5 == 2)
@@ -58,11 +66,16 @@ void send_all_kinds(Bench& bench)
 TEST_CASE("once it has started, nothing a client sends makes torqued allocate", "[steady_state_process]")
 {
   for (const char* robot : {"ck", "rk", "six-link", "human-subject01"})
-    for (const char* mode : {"--every-sample", "--log-level=info"})
+    for (const bool nearest : {false, true})
     {
       const TemporaryFolder folder;
       const std::string path = folder.file("report");
-      Bench bench({"--robot", robot, mode}, {"env", "LD_PRELOAD=" ALLOCATION_GUARD, "ALLOCATION_REPORT=" + path});
+      std::vector<std::string> arguments{"--robot", robot};
+      if (nearest)
+        arguments.insert(arguments.end(), {"--config", nearest_configuration(folder)});
+      else
+        arguments.push_back("--every-sample");
+      Bench bench(arguments, {"env", "LD_PRELOAD=" ALLOCATION_GUARD, "ALLOCATION_REPORT=" + path});
       REQUIRE(bench.model);
       bench.torqued().signal(SIGUSR1);
       const std::size_t statuses = bench.statuses.size();
@@ -76,7 +89,7 @@ TEST_CASE("once it has started, nothing a client sends makes torqued allocate", 
             report = std::filesystem::exists(path) ? read_file(path) : "";
             return report.ends_with("end\n");
           }));
-      CAPTURE(robot, mode, report);
+      CAPTURE(robot, nearest, report);
       std::istringstream words(report);
       std::string program, all;
       long by_program = -1, seen = -1;
@@ -90,15 +103,24 @@ TEST_CASE("between a sample and its command torqued does nothing but receive, se
 {
   const TemporaryFolder folder;
   const std::string path = folder.file("calls");
-  Bench bench({}, {"strace", "-D", "-f", "-qq", "-o", path});
+  const bool nearest = GENERATE(false, true);
+  CAPTURE(nearest);
+  Bench bench(nearest ? std::vector<std::string>{"--config", nearest_configuration(folder)}
+                      : std::vector<std::string>{},
+              {"strace", "-D", "-f", "-qq", "-o", path});
   REQUIRE(bench.model);
   const auto answer = [&](int samples)
   {
     for (int i = 0; i < samples; ++i)
     {
       const std::size_t before = bench.commands.size();
-      bench.send(bench.standing());
+      desired_state_t desired = bench.standing();
+      for (double& a : desired.a)
+        a = nearest ? 5.0 * std::sin(i) : 0.0;
+      bench.send(desired);
       REQUIRE(bench.wait([&] { return bench.commands.size() > before; }));
+      if (nearest && i > 0)
+        CHECK((bench.commands.back().flags & torque_command_t::ADJUSTED) != 0);
     }
   };
   answer(20);

@@ -110,7 +110,7 @@ private:
   const Constrained& constrained_settings() const { return methods_.of<Constrained>(); }
 
   std::optional<Reactions> usual(const AdmissibleReactions& all) const;
-  Result<std::optional<TorqueSolution>> choose() const;
+  std::optional<TorqueSolution> choose() const;
   std::optional<Reactions> nearest_reactions(const AdmissibleReactions& all, const WrenchVector& reference,
                                              const ReactionLimits& limits) const;
   void move_to(const MotionSpace& space, const VectorQ& delta);
@@ -160,35 +160,31 @@ std::optional<Reactions> Nearest::usual(const AdmissibleReactions& all) const
   return found ? std::optional(*found) : std::nullopt;
 }
 
-// level 2, for the motion as it now is; nothing if no reactions keep the limits
-Result<std::optional<TorqueSolution>> Nearest::choose() const
+// level 2, for the motion as it now is; nothing if no reactions keep the limits, or rounding hides them
+std::optional<TorqueSolution> Nearest::choose() const
 {
-  using Chosen = std::optional<TorqueSolution>;
   constexpr double share = 0.5 * kRoom;
   const ReactionLimits limits = with_room();
   const AdmissibleReactions all = admissible_reactions(robot_, equations_, support_);
   if (all.redundancy == 0 || method_ != Method::constrained)
     if (const std::optional<Reactions> own = usual(all))
     {
-      Result<Chosen> chosen(std::in_place_type<Chosen>, torques_of(*own, all.redundancy == 0 ? Method::none : method_));
-      const TorqueSolution& found = *std::get<Chosen>(chosen);
-      if (keeps(robot_, support_, limits, found.w, found.torque, share))
-        return chosen;
+      std::optional<TorqueSolution> found = torques_of(*own, all.redundancy == 0 ? Method::none : method_);
+      if (keeps(robot_, support_, limits, found->w, found->torque, share))
+        return found;
+      std::optional<Reactions> nearest;
       if (all.redundancy > 0)
-        if (std::optional<Reactions> nearest = nearest_reactions(all, own->w, limits))
-        {
-          nearest->clamped = own->clamped;
-          return Result<Chosen>(std::in_place_type<Chosen>, torques_of(*nearest, method_));
-        }
-      return Result<Chosen>(std::in_place_type<Chosen>);
+        nearest = nearest_reactions(all, own->w, limits);
+      if (!nearest)
+        return {};
+      nearest->clamped = own->clamped;
+      return torques_of(*nearest, method_);
     }
   const auto chosen = constrained_within(robot_, equations_, support_, all, constrained_settings(), &limits);
-  if (const Refusal* refusal = std::get_if<Refusal>(&chosen))
-    return *refusal;
-  const auto& found = std::get<std::optional<Reactions>>(chosen);
-  if (!found)
-    return Result<Chosen>(std::in_place_type<Chosen>);
-  return Result<Chosen>(std::in_place_type<Chosen>, torques_of(*found, Method::constrained));
+  const auto* found = std::get_if<std::optional<Reactions>>(&chosen);
+  if (!found || !*found)
+    return {};
+  return torques_of(**found, Method::constrained);
 }
 
 // the reactions that keep the limits, in least squares of their distance from others
@@ -432,13 +428,8 @@ Result<NearestMotion> Nearest::find()
   move_to(space, space.change(VectorQ::Zero(0)));
 
   // the least change that contacts and rows without motors ask for may be all
-  {
-    const auto chosen = choose();
-    if (const Refusal* refusal = std::get_if<Refusal>(&chosen))
-      return *refusal;
-    if (const auto& found = std::get<std::optional<TorqueSolution>>(chosen))
-      return answer(*found, contradictory);
-  }
+  if (const std::optional<TorqueSolution> found = choose())
+    return answer(*found, contradictory);
 
   const VectorQ least = moved_;
   const bool bounded = limits_.torques.most.array().isFinite().any() || limits_.torques.least.array().isFinite().any();
@@ -465,10 +456,7 @@ Result<NearestMotion> Nearest::find()
     const VectorQ variables = built.unit.cwiseProduct(solution.y);
     const VectorQ zeta = variables.head(built.zeta);
     move_to(space, space.change(zeta));
-    const auto chosen = choose();
-    if (const Refusal* refusal = std::get_if<Refusal>(&chosen))
-      return *refusal;
-    if (const auto& found = std::get<std::optional<TorqueSolution>>(chosen))
+    if (const std::optional<TorqueSolution> found = choose())
       return answer(*found, relaxed);
     if (motors || !bounded)
     {
