@@ -33,6 +33,20 @@ std::string feet_of(const Robot& robot, int link)
   return text;
 }
 
+// Points that stand on the ground: spheres, because MuJoCo's points have none.
+std::string standing_points(const Robot& robot, int link)
+{
+  constexpr double radius = 1e-3;
+  std::string text;
+  for (const Side side : kSides)
+    if (const Foot& foot = robot.foot(side); foot.exists() && foot.link == link)
+      for (const Eigen::Vector2d& r : {foot.heel_at, foot.toe_at})
+        text += fmt::format("<geom type=\"sphere\" size=\"{}\" pos=\"{} 0 {}\" friction=\"{} 0 0\" contype=\"1\" "
+                            "conaffinity=\"2\"/>",
+                            radius, r.x(), r.y() + radius, foot.friction);
+  return text;
+}
+
 // Body `index` and all that hangs on it, as MJCF. Its moments of inertia are equal: only that about y matters.
 std::string body_text(const JointTree& tree, int index, const Robot& robot, const MujocoModel::Parts& parts)
 {
@@ -47,6 +61,8 @@ std::string body_text(const JointTree& tree, int index, const Robot& robot, cons
                       body.mass, body.inertia, body.inertia, body.inertia);
   if (parts.feet)
     text += feet_of(robot, body.link);
+  if (parts.ground)
+    text += standing_points(robot, body.link);
   for (int child = index + 1; child < static_cast<int>(tree.bodies.size()); ++child)
     if (tree.bodies[static_cast<std::size_t>(child)].parent == index)
       text += body_text(tree, child, robot, parts);
@@ -57,12 +73,20 @@ std::string body_text(const JointTree& tree, int index, const Robot& robot, cons
 
 MujocoModel::MujocoModel(const Robot& robot, const Parts& parts) : tree_(robot)
 {
-  // there are only links and joints: MuJoCo need not look for contacts and the like
-  const std::string text = fmt::format(
-      "<mujoco><compiler angle=\"radian\" inertiafromgeom=\"false\"/><option gravity=\"0 0 {}\"><flag "
-      "constraint=\"disable\" contact=\"disable\" passive=\"disable\" actuation=\"disable\" sensor=\"disable\"/>"
-      "</option><worldbody>{}</worldbody></mujoco>",
-      -robot.mechanism.gravity(), body_text(tree_, 0, robot, parts));
+  // Without ground there are only links and joints: MuJoCo need not look for contacts and the like. A foot sinks by
+  // less than 0.1 mm into the ground, and comes to rest in some milliseconds; elliptic cones do not creep.
+  const std::string world =
+      parts.ground ? "<option timestep=\"0.0005\" cone=\"elliptic\" impratio=\"10\"/><default><geom solref=\"0.004 1\" "
+                     "solimp=\"0.95 0.99 0.001\"/></default>"
+                   : "<option><flag constraint=\"disable\" contact=\"disable\" passive=\"disable\" "
+                     "actuation=\"disable\" sensor=\"disable\"/></option>";
+  const std::string ground =
+      parts.ground ? "<geom type=\"plane\" size=\"100 100 1\" friction=\"0 0 0\" contype=\"2\" conaffinity=\"1\"/>"
+                   : "";
+  const std::string text =
+      fmt::format("<mujoco><compiler angle=\"radian\" inertiafromgeom=\"false\"/><option gravity=\"0 0 {}\"/>{}"
+                  "<worldbody>{}{}</worldbody></mujoco>",
+                  -robot.mechanism.gravity(), world, ground, body_text(tree_, 0, robot, parts));
 
   struct Files : mjVFS
   {

@@ -18,11 +18,14 @@ public:
   {
     bool rotors = false; ///< the motors' inertia
     bool feet = false;   ///< sites at their points: left_ankle, left_heel, …
+    bool ground =
+        false; ///< z = 0, on which heels and toes stand with their friction; for robots without rolling joints
   };
 
   MujocoModel(const Robot& robot, const Parts& parts);
 
   const mjModel& model() const { return *model_; }
+  mjModel& model() { return *model_; }
   mjData& data() { return *data_; }
   const mjData& data() const { return *data_; }
   const JointTree& tree() const { return tree_; }
