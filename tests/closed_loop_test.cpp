@@ -21,7 +21,7 @@ namespace
 {
 
 #ifdef NDEBUG
-constexpr int kSteps = 20, kSeeds = 4;
+constexpr int kSteps = 20, kSeeds = 10;
 #else
 constexpr int kSteps = 3, kSeeds = 1;
 #endif
