@@ -13,6 +13,7 @@ namespace torqued
 namespace
 {
 
+constexpr int kBlock = 4; // of SIMD
 // A pivot of W less than this share of its diagonal is none.
 constexpr double kPivot = 1e-13;
 // Least squares leave no more than this, over the size of the errors, where contacts do not contradict one another.
@@ -52,23 +53,26 @@ MotionSpace::MotionSpace(const Robot& robot, const SupportEquations& equations, 
   divide_by_root();
   if (singular_)
     return;
-  reflect();
-  least_change();
-  d0_ = equations.d;
-  for (int k = 0; k < 3; ++k)
-    for (int i = 0; i < rank_; ++i)
-      d0_(k) += columns_(i, rows_ + k) * least_(i);
-  D_.setZero();
-  for (int i = 0; i < std::min(3, n_ - rank_); ++i)
-    for (int k = 0; k < 3; ++k)
-      D_(i, k) = columns_(rank_ + i, rows_ + k);
+  reflect(0, rows_);
+  rank_ = reflected_;
+  find_least_change();
+}
+
+Eigen::Matrix3d MotionSpace::span()
+{
+  if (reflected_ == rank_)
+    reflect(rows_, rows_ + 3);
+  Eigen::Matrix3d D = Eigen::Matrix3d::Zero();
+  for (int i = 0; i < std::min(3, size()); ++i)
+    D.row(i) = columns_.block<1, 3>(rank_ + i, rows_);
+  return D;
 }
 
 void MotionSpace::fill_columns(const Robot& robot, const SupportEquations& equations, const Support& support,
                                const AdmissibleReactions& all, const WrenchVector& contact_error)
 {
   const Mechanism& mechanism = robot.mechanism;
-  columns_.setZero();
+  columns_.topRows(n_).setZero();
 
   // M̂ N_B: the base point's columns, and the sum of those of all angles
   Eigen::Matrix<double, kMaxCoordinates, 3> M_N = M_N.Zero();
@@ -83,7 +87,7 @@ void MotionSpace::fill_columns(const Robot& robot, const SupportEquations& equat
   if (all.components == 0)
   {
     hard_ = rows_ = 3;
-    columns_.leftCols<3>() = M_N;
+    columns_.topLeftCorner(n_, 3) = M_N.topRows(n_);
     std::copy_n(all.unmet.data(), 3, error_.begin());
   }
   else if (all.rank() == 2)
@@ -94,7 +98,7 @@ void MotionSpace::fill_columns(const Robot& robot, const SupportEquations& equat
                                                                 : Side::right;
     const Eigen::Vector2d& l = equations.standing[side].point;
     hard_ = rows_ = 1;
-    columns_.col(0) = M_N.col(2) - l.x() * M_N.col(1) + l.y() * M_N.col(0);
+    columns_.col(0).head(n_) = (M_N.col(2) - l.x() * M_N.col(1) + l.y() * M_N.col(0)).head(n_);
     error_[0] = all.unmet(2);
   }
 
@@ -134,12 +138,12 @@ void MotionSpace::fill_columns(const Robot& robot, const SupportEquations& equat
       ++rows_;
     }
   }
-  columns_.middleCols<3>(rows_) = M_N;
+  columns_.block(0, rows_, n_, 3) = M_N.topRows(n_);
 }
 
 void MotionSpace::set_metric(const Robot& robot, NearestMetric metric)
 {
-  root_.setZero();
+  root_.topRows(n_).setZero();
   if (metric == NearestMetric::mass)
     for (int k = 0; k < n_; ++k) // symmetric
       root_.row(k).head(n_) = mass_.col(k);
@@ -176,7 +180,8 @@ void MotionSpace::divide_by_root()
     for (int i = k + 1; i < n_; ++i)
     {
       const double share = root_(k, i) * per_pivot;
-      root_.row(i) -= share * root_.row(k);
+      for (int c = k / kBlock * kBlock; c < n_; c += kBlock)
+        root_.row(i).segment<kBlock>(c) -= share * root_.row(k).segment<kBlock>(c);
       columns_.row(i) -= share * columns_.row(k);
     }
   }
@@ -188,15 +193,17 @@ void MotionSpace::divide_by_root()
   }
 }
 
+// Reflects columns from one up to another, and all that follow along with them; what depends on those before it is left
+// out.
 TORQUED_FOR_PROCESSORS
-void MotionSpace::reflect()
+void MotionSpace::reflect(int from, int to)
 {
   using Row = Eigen::Matrix<double, 1, kColumns>;
   const auto& columns = columns_;
-  const auto products = [&](int column, int from) // of all columns with one, from a row on
+  const auto products = [&](int column, int top) // of all columns with one, from a row on
   {
     Row even = Row::Zero(), odd = Row::Zero();
-    int i = from;
+    int i = top;
     for (; i + 1 < n_; i += 2)
     {
       even += columns(i, column) * columns.row(i);
@@ -207,14 +214,13 @@ void MotionSpace::reflect()
     return Row(even + odd);
   };
   const Row squares = columns.topRows(n_).colwise().squaredNorm();
-  for (int j = 0; j < rows_ + 3 && reflected_ < n_; ++j)
+  for (int j = from; j < to && reflected_ < n_; ++j)
   {
     const int r = reflected_;
     Row sum = products(j, r);
     const double below = sum(j);
-    const bool of_E = j < rows_;
-    if (below <= (of_E ? kCoincident * kCoincident : 1e-30) * squares(j))
-      continue; // depends on those before it
+    if (below <= kCoincident * kCoincident * squares(j))
+      continue;
     const double norm = std::sqrt(below), first = columns(r, j), more = std::copysign(norm, first);
     const double beta = 1.0 / (below + std::abs(first) * norm);
     auto normal = normals_.col(r);
@@ -227,13 +233,11 @@ void MotionSpace::reflect()
       columns_.row(i) -= normal(i) * sum;
     beta_[static_cast<std::size_t>(r)] = beta;
     ++reflected_;
-    if (of_E)
-      rank_ = reflected_;
   }
 }
 
 // Rᵀ x = −e, R being the columns of E
-void MotionSpace::least_change()
+void MotionSpace::find_least_change()
 {
   least_.setZero();
   const int exact = rank_ == rows_ ? rows_ : hard_;

@@ -16,7 +16,7 @@ namespace torqued
 /// or on two at one place), N_Bᵀ M̂; and J. M̂ = M + B diag(I_j) Bᵀ, with the rotors' inertias. Where rows of J depend on
 /// others and contradict them, they are met in least squares, in metres, and of a sole's angle × its length.
 ///
-/// Only the first three of ζ move what the ground must supply: d ← d + N_Bᵀ M̂ δ = d0 + Dᵀ (ζ_1, ζ_2, ζ_3).
+/// Only the first three of ζ move what the ground must supply: N_Bᵀ M̂ F ζ = Dᵀ (ζ_1, ζ_2, ζ_3).
 ///
 /// With W = Uᵀ U, by Householder's reflections of the columns U⁻ᵀ [Eᵀ, M̂ N_B]: Q of the first spans U δ0, the rest U F.
 class MotionSpace
@@ -31,12 +31,13 @@ public:
   bool singular() const { return singular_; }
   /// Whether contacts contradict one another, so that they are met in least squares alone.
   bool contradictory() const { return contradictory_; }
-  int size() const { return n_ - rank_; } ///< of ζ
-  const Eigen::Vector3d& d0() const { return d0_; }
-  /// D: rows beyond ζ are 0.
-  const Eigen::Matrix3d& D() const { return D_; }
+  int size() const { return n_ - rank_; }       ///< of ζ
   const MatrixQ& mass() const { return mass_; } ///< M̂
+  /// δ0.
+  VectorQ least_change() const { return from_reflected(least_, rank_); }
 
+  /// Finds F, and returns D, whose rows beyond ζ are 0. What follows asks for it.
+  Eigen::Matrix3d span();
   /// δ of the first of ζ, the others 0.
   VectorQ change(const VectorQ& zeta) const;
   /// F, num_q() × size().
@@ -52,8 +53,8 @@ private:
                     const AdmissibleReactions& all, const WrenchVector& contact_error);
   void set_metric(const Robot& robot, NearestMetric metric);
   void divide_by_root();
-  void reflect();
-  void least_change();
+  void reflect(int from, int to);
+  void find_least_change();
   // U⁻¹ Q u, u being 0 but for its first entries
   VectorQ from_reflected(Vector u, int entries) const;
 
@@ -71,8 +72,6 @@ private:
   std::array<double, kColumns> beta_;
   std::array<double, kColumns> error_; // of the rows of E
   Vector least_;                       // Qᵀ U δ0: beyond the rank 0
-  Eigen::Vector3d d0_;
-  Eigen::Matrix3d D_;
 };
 
 } // namespace torqued

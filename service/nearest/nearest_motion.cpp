@@ -130,7 +130,8 @@ private:
     VectorQ unit; // of all variables
     int contact_rows = 0;
   };
-  Program program(const MotionSpace& space, const AdmissibleReactions& all0, bool motors) const;
+  Program program(const MotionSpace& space, const Eigen::Matrix3d& D, const AdmissibleReactions& all0,
+                  bool motors) const;
   bool relax(Program& program, std::bitset<kMaxRows>& active);
 
   const Robot& robot_;
@@ -267,7 +268,8 @@ ReactionLimits Nearest::with_room() const
 }
 
 // Level 1: ½ |ζ|² over ζ and y. Without motors three of ζ are enough.
-Nearest::Program Nearest::program(const MotionSpace& space, const AdmissibleReactions& all0, bool motors) const
+Nearest::Program Nearest::program(const MotionSpace& space, const Eigen::Matrix3d& D, const AdmissibleReactions& all0,
+                                  bool motors) const
 {
   Program built;
   const int zeta = motors ? space.size() : std::min(3, space.size());
@@ -301,7 +303,7 @@ Nearest::Program Nearest::program(const MotionSpace& space, const AdmissibleReac
       for (int k = 0; k < all0.redundancy; ++k)
         rows.A(row, zeta + k) += factor * all0.rows(c, 1 + k);
     }
-    const Eigen::Vector3d by_zeta = space.D() * by_d;
+    const Eigen::Vector3d by_zeta = D * by_d;
     for (int k = 0; k < std::min(3, zeta); ++k)
       rows.A(row, k) = by_zeta(k);
     rows.b(row++) = condition.factor * condition.bound - of_w0;
@@ -323,7 +325,7 @@ Nearest::Program Nearest::program(const MotionSpace& space, const AdmissibleReac
         WrenchVector w = WrenchVector::Zero(all0.components);
         if (k < 3)
           for (int c = 0; c < all0.components; ++c)
-            w(c) = w_d.row(c).dot(space.D().row(k));
+            w(c) = w_d.row(c).dot(D.row(k));
         torque = TorqueSolution(robot_, change, support_, Method::none, w).torque;
       }
       else
@@ -417,7 +419,7 @@ Result<NearestMotion> Nearest::find()
         return result;
     }
 
-  const MotionSpace space(robot_, equations_, support_, all, error, settings_.metric);
+  MotionSpace space(robot_, equations_, support_, all, error, settings_.metric);
   if (space.singular())
     return Refusal(Reason::numerical,
                    "a link of {} can move without mass or inertia, so that the nearest motion by "
@@ -425,12 +427,13 @@ Result<NearestMotion> Nearest::find()
                    robot_.name);
   moved_ = VectorQ::Zero(robot_.mechanism.num_q());
   const bool contradictory = space.contradictory();
-  move_to(space, space.change(VectorQ::Zero(0)));
+  move_to(space, space.least_change());
 
   // the least change that contacts and rows without motors ask for may be all
   if (const std::optional<TorqueSolution> found = choose())
     return answer(*found, contradictory);
 
+  const Eigen::Matrix3d D = space.span();
   const VectorQ least = moved_;
   const bool bounded = limits_.torques.most.array().isFinite().any() || limits_.torques.least.array().isFinite().any();
   for (const bool motors : {false, true})
@@ -439,7 +442,7 @@ Result<NearestMotion> Nearest::find()
       break;
     move_to(space, least);
     const AdmissibleReactions all0 = admissible_reactions(robot_, equations_, support_);
-    Program built = program(space, all0, motors);
+    Program built = program(space, D, all0, motors);
     const BoundedVector<kMaxVariables> from = BoundedVector<kMaxVariables>::Zero(built.program.g.size());
     QuadraticProgramSolution solution = solve_semidefinite(built.program, from);
     if (solution.status == infeasible && bounded && !motors)
