@@ -269,4 +269,33 @@ TEST_CASE("measured columns that cannot be right are refused with line and colum
         std::string::npos);
 }
 
+TEST_CASE("compare counts the samples that are answered by the nearest motion, if any may be", "[compare]")
+{
+  const TemporaryFolder folder;
+  const std::string json = folder.file("compare.json"),
+                    config = folder.write("c.toml", "infeasible = \"nearest\"\n[nearest]\ncontacts = \"as-desired\"\n");
+  const auto human_transition = [&json]
+  {
+    const auto numbers = nlohmann::json::parse(read_file(json));
+    for (const auto& method : numbers["methods"])
+      if (method["method"] == "human-transition")
+        return method["adjusted"].get<int>();
+    return -1;
+  };
+  const Run nearest = run({"compare", kWalk, "--config", config, "--json", json});
+  REQUIRE(nearest.code == 0);
+  CHECK(human_transition() == 20);
+  CAPTURE(nearest.out);
+  CHECK(nearest.out.find("| contacts held | relaxed | adjusted |\n") != std::string::npos);
+  const std::size_t row = nearest.out.find("\n| human-transition");
+  CHECK(nearest.out.substr(row, nearest.out.find('\n', row + 1) - row)
+            .ends_with("|       100.0 % |   0.0 % |    4.5 % |"));
+  CHECK(nearest.out.find(";\nshare of the motion that is answered by the nearest one\n") != std::string::npos);
+
+  const Run usual = run({"compare", kWalk, "--json", json});
+  REQUIRE(usual.code == 0);
+  CHECK(human_transition() == 0);
+  CHECK(usual.out.find("adjusted") == std::string::npos);
+}
+
 } // namespace compare_test

@@ -4,10 +4,13 @@
 #include "motion/gait.h"
 #include "page/live_motion.h"
 #include "robot/files/load.h"
+#include "stance/flags.h"
 
 #include <cmath>
 #include <cstdint>
 #include <limits>
+#include <map>
+#include <nlohmann/json.hpp>
 
 namespace live_motion_test
 {
@@ -114,6 +117,30 @@ TEST_CASE("view keeps the last seconds, with answers, rejections and what was su
     CHECK(mismatch(run.times[i].delay_us, 120.0, 1e-9) == "");
   }
   CHECK(run.unanswered == std::map<std::string, std::int64_t>{{"UNDER_ACTUATED", 1}, {"NO_ANSWER", 1}});
+}
+
+TEST_CASE("view shows that an answer is the nearest that can be had, and what was asked for", "[live_motion]")
+{
+  LiveMotion live(load_robot("ck"), 1.0);
+  const auto states = walk(live.robot());
+  const auto shown = [&live]
+  {
+    return nlohmann::json::parse(report_document(live.robot(), live.window(kStart + 1h)))["motions"][0];
+  };
+  live.hear(states[0], at(states[0].utime));
+  live.hear(answer_to(states[0]), at(states[0].utime));
+  CHECK_FALSE(shown().contains("asked"));
+  CHECK_FALSE(shown()["runs"][0]["frames"].contains("a_q3"));
+  torque_command_t adjusted = answer_to(states[1]);
+  adjusted.flags = flag::adjusted;
+  adjusted.a[3] += 5.0;
+  adjusted.adjustment = 5.0;
+  live.hear(states[1], at(states[1].utime));
+  live.hear(adjusted, at(states[1].utime));
+  CHECK(shown()["runs"][0]["figures"]["flags"] == nlohmann::json{{"ADJUSTED", 1}});
+  for (const auto& [name, same] : std::map<std::string, bool>{{"a_q2", true}, {"a_q3", false}})
+    CHECK((shown()["asked"]["frames"][name] == shown()["runs"][0]["frames"][name]) == same);
+  CHECK(shown()["asked"]["frames"]["a_xH"] == "AADAfwAAwH8="); // twice no number: the base follows from contact
 }
 
 TEST_CASE("the newest samples wait for their answers, but not for ever", "[live_motion]")

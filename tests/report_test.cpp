@@ -211,6 +211,8 @@ TEST_CASE("a page's document names flags by bit, contacts by number, and the cur
     for (const Json& curve : section["curves"])
       CHECK(plotted.insert(curve["name"]).second);
   std::set<std::string> columns{"compute_us", "delay_us"}; // of logs alone
+  for (const char* coordinate : {"q0", "q1", "q2", "q3", "q4", "q5", "q6", "xH", "zH"})
+    columns.insert(std::string("a_") + coordinate); // of motions that were moved
   for (const auto& [name, values] : shown["motions"][0]["runs"][0]["frames"].items())
     if (name != "flags")
       columns.insert(name);
@@ -239,6 +241,96 @@ TEST_CASE("a page's document names flags by bit, contacts by number, and the cur
   const Foot& foot = robot.foot(Side::left);
   CHECK(sole["title"] == "left foot: centre of pressure");
   CHECK(sole["bounds"] == Json{foot.heel_x(), foot.toe_x()});
+}
+
+TEST_CASE("a page shows the accelerations that were answered beside those that were asked for, where any differ",
+          "[report]")
+{
+  const TemporaryFolder folder;
+  const Robot robot = load_robot("ck");
+  const std::string gait = folder.file("gait.csv"), log = folder.file("walk.lcm"), page = folder.file("walk.html"),
+                    answers = folder.file("answers.csv"),
+                    config = folder.write("c.toml", GENERATE("project = true", "infeasible = \"nearest\""));
+  const bool relative = GENERATE(false, true);
+  CAPTURE(read_file(config), relative);
+  REQUIRE(run({"gait", "--robot", "ck", "-o", gait, "--steps", "1", "--rate", "50"}).code == 0);
+  Trajectory motion = parse_trajectory(read_file(gait), gait, coordinate_names(robot), false, Channels());
+  std::vector<std::vector<double>> asked(7);
+  LogWriter writer(log);
+  std::vector<std::byte> buffer;
+  for (desired_state_t& state : motion.states)
+  {
+    for (std::size_t k = 0; k < 7; ++k)
+    {
+      state.a[k] += 3.0 * std::sin(static_cast<double>(state.utime) / 1e5 + static_cast<double>(k));
+      asked[k].push_back(state.a[k]);
+    }
+    if (relative)
+    {
+      state.base = desired_state_t::FROM_CONTACT;
+      state.coordinates = desired_state_t::RELATIVE;
+      for (std::vector<double>* numbers : {&state.q, &state.v, &state.a})
+      {
+        Eigen::Map<Eigen::VectorXd> angles(numbers->data(), 7);
+        angles = (robot.A * angles + (numbers == &state.q ? robot.b : VectorQ(0.0 * robot.b))).eval();
+      }
+    }
+    writer.write("TORQUED_DESIRED", state.utime, encode(state, buffer));
+  }
+  writer.close();
+  REQUIRE(run({"eval", log, "--robot", "ck", "--config", config, "-o", answers}).code == 0);
+  REQUIRE(run({"report", log, "--robot", "ck", "--config", config, "-o", page}).code == 0);
+  const Json shown = document(page);
+  const Json& moved = shown["motions"][0];
+  auto expected = columns(answers);
+  for (std::size_t k = 0; k < 7; ++k)
+  {
+    CAPTURE(k);
+    const std::string name = fmt::format("a_q{}", k);
+    Eigen::VectorXd answered = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(asked[k].size()));
+    for (Eigen::Index i = 0; i < answered.size(); ++i)
+      for (Eigen::Index j = 0; j < 7; ++j)
+        answered(i) +=
+            relative
+                ? robot.A_inverse(static_cast<Eigen::Index>(k), j) *
+                      expected["a_" + robot.relative_names[static_cast<std::size_t>(j)]][static_cast<std::size_t>(i)]
+                : (j == static_cast<Eigen::Index>(k) ? expected[name][static_cast<std::size_t>(i)] : 0.0);
+    const auto mapped = [](const std::vector<float>& values)
+    {
+      return Eigen::VectorXd(
+          Eigen::Map<const Eigen::VectorXf>(values.data(), static_cast<Eigen::Index>(values.size())).cast<double>());
+    };
+    CHECK(mismatch(mapped(floats(moved["runs"][0]["frames"][name])), answered, 1e-6) == "");
+    const std::vector<float> on_page = floats(moved["asked"]["frames"][name]);
+    CHECK(mismatch(mapped(on_page),
+                   Eigen::Map<const Eigen::VectorXd>(asked[k].data(), static_cast<Eigen::Index>(asked[k].size())),
+                   1e-6) == "");
+    if (k < 6) // the trunk may be left alone
+      CHECK(mismatch(mapped(on_page), answered, 0.01) != "");
+  }
+  // legs are beside each other, and shaded where the foot is on the ground
+  const Json& section = shown["sections"][2];
+  CHECK(section["title"] == "Accelerations, answered and asked for");
+  CHECK(section["curves"][3] == Json{{"name", "a_q4"},
+                                     {"title", "right shin (q4)"},
+                                     {"unit", "rad/s²"},
+                                     {"side", "right"},
+                                     {"group", "a_shin"},
+                                     {"bounds", Json::array()}});
+  CHECK(section["curves"][2]["name"] == "a_q1");
+  CHECK(section["curves"][6]["title"] == "trunk (q6)");
+  CHECK(section["curves"][8]["title"] == "base point upward (zH)");
+  CHECK(section["curves"][8]["unit"] == "m/s²");
+  CHECK(difference(floats(moved["runs"][0]["frames"]["a_zH"]), expected["a_zH"]) == "");
+  // a base that follows from contact is not asked for
+  CHECK(difference(floats(moved["asked"]["frames"]["a_zH"]),
+                   relative ? std::vector<double>(asked[0].size(), NAN) : expected["ddzH"]) == "");
+
+  // what is answered as it was asked for has no such curves
+  REQUIRE(run({"report", gait, "--config", config, "-o", page}).code == 0);
+  const Json still = document(page)["motions"][0];
+  CHECK_FALSE(still.contains("asked"));
+  CHECK_FALSE(still["runs"][0]["frames"].contains("a_q0"));
 }
 
 TEST_CASE("the figures of a page are those of compare", "[report]")

@@ -70,9 +70,13 @@ std::string moon_robot(const TemporaryFolder& folder, const std::string& name = 
 // each subcommand that reads a motion, with words that make it work on this file
 std::vector<std::vector<std::string>> readers(const TemporaryFolder& folder, const std::string& file)
 {
-  return {{"eval", file, "-o", folder.file("o.csv")},      {"wrenches", file, "-o", folder.file("o.csv")},
-          {"dynamics", file, "-o", folder.file("o.json")}, {"project", file, "-o", folder.file("o.csv")},
-          {"report", file, "-o", folder.file("o.html")},   {"compare", file}};
+  return {{"eval", file, "-o", folder.file("o.csv")},
+          {"wrenches", file, "-o", folder.file("o.csv")},
+          {"dynamics", file, "-o", folder.file("o.json")},
+          {"project", file, "-o", folder.file("o.csv")},
+          {"nearest", file, "-o", folder.file("o.csv")},
+          {"report", file, "-o", folder.file("o.html")},
+          {"compare", file}};
 }
 
 std::vector<std::string> with(std::vector<std::string> words, const std::vector<std::string>& more)
@@ -96,6 +100,7 @@ TEST_CASE("every CSV that is written begins with its header, and names its robot
          std::vector<std::pair<std::vector<std::string>, std::string>>{{{"eval", walk}, "utime,"},
                                                                        {{"wrenches", walk}, "utime,x_"},
                                                                        {{"project", walk}, "utime,"},
+                                                                       {{"nearest", walk}, "utime,"},
                                                                        {{"export", log}, "utime,"}})
     {
       CAPTURE(words.front());

@@ -194,6 +194,7 @@ TEST_CASE("every subcommand that differentiates says what it did", "[torquectl_d
                                                 std::vector<std::string>{"dynamics", walk, "-o", folder.file("o.json")},
                                                 std::vector<std::string>{"wrenches", walk, "-o", folder.file("o.csv")},
                                                 std::vector<std::string>{"project", walk, "-o", folder.file("o.csv")},
+                                                std::vector<std::string>{"nearest", walk, "-o", folder.file("o.csv")},
                                                 std::vector<std::string>{"report", walk, "-o", folder.file("o.html")}})
   {
     std::vector<std::string> all = words;

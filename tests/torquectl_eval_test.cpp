@@ -652,6 +652,7 @@ TEST_CASE("each subcommand that reads a motion says which file or column is wron
                                                                                         {"compare", ""},
                                                                                         {"report", ".html"},
                                                                                         {"project", ".csv"},
+                                                                                        {"nearest", ".csv"},
                                                                                         {"dynamics", ".json"},
                                                                                         {"wrenches", ".csv"}})
   {

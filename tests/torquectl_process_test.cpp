@@ -130,6 +130,26 @@ TEST_CASE("send gets an answer to every sample, however near two are due, from a
   }
 }
 
+TEST_CASE("a daemon adjusts what cannot be had, and answers what nearest writes as it is", "[torquectl_process]")
+{
+  const TemporaryFolder folder;
+  const std::string feasible = folder.file("feasible.csv"),
+                    config = folder.write("c.toml", "infeasible = \"nearest\"\nrobot = \"human-subject01\"\n"
+                                                    "every_sample = true\n[constrained]\nwindows = false\n"
+                                                    "[nearest]\ncontacts = \"as-desired\"\n");
+  REQUIRE(run({"nearest", kWalk, "--config", config, "-o", feasible}).code == 0);
+  const Process torqued({TORQUED, "--config", config}, folder.file("torqued"));
+  const std::string others = "CONTACT_ACCELERATION 447, INCONSISTENT 447\n";
+  for (const auto& [file, flags] : {std::pair(kWalk, "flags: ADJUSTED 17, " + others), {feasible, "flags: " + others}})
+  {
+    const Run sent = run({"send", file, "--rate", "500"});
+    CAPTURE(sent.output);
+    CHECK(sent.code == 0);
+    CHECK(contains(sent.output, flags));
+    std::this_thread::sleep_for(std::chrono::milliseconds(300)); // torqued lets another stream take over
+  }
+}
+
 TEST_CASE("send says when a daemon dies under it, and when there is none", "[torquectl_process]")
 {
   const TemporaryFolder folder;

@@ -48,6 +48,12 @@ MethodRun run_method(const Robot& robot, const AnswerSettings& settings, const s
   return {std::move(name), std::move(answered), std::move(outcome)};
 }
 
+int adjusted(const Outcome& outcome)
+{
+  const auto found = outcome.flagged.find(flag::adjusted);
+  return found == outcome.flagged.end() ? 0 : found->second;
+}
+
 std::string share(int part, int whole)
 {
   return whole == 0 ? "-" : fmt::format("{:.1f} %", 100.0 * part / whole);
@@ -216,6 +222,7 @@ void write_json(const std::string& path, const Robot& robot, const std::vector<D
                        {"double_support", outcome.double_support},
                        {"held", outcome.held},
                        {"relaxed", outcome.relaxed},
+                       {"adjusted", adjusted(outcome)},
                        {"measured", std::move(agreements)}});
   }
   OutputFile out(path);
@@ -223,13 +230,15 @@ void write_json(const std::string& path, const Robot& robot, const std::vector<D
   out.close();
 }
 
-void print_outcomes(const Changes& changes, const std::vector<MethodRun>& runs)
+void print_outcomes(const Changes& changes, const std::vector<MethodRun>& runs, bool nearest)
 {
   std::vector<std::vector<std::string>> rows{{"method"}};
   for (const std::string& kind : changes.kinds)
     rows[0].push_back(kind);
   for (const char* column : {"peak", "∫τ²dt", "contacts held", "relaxed"})
     rows[0].emplace_back(column);
+  if (nearest)
+    rows[0].emplace_back("adjusted");
   for (const MethodRun& run : runs)
   {
     const Outcome& outcome = run.outcome;
@@ -241,12 +250,14 @@ void print_outcomes(const Changes& changes, const std::vector<MethodRun>& runs)
     row.push_back(outcome.answered > 0 ? fmt::format("{:.0f}", outcome.effort) : "-");
     row.push_back(share(outcome.held, outcome.double_support));
     row.push_back(share(outcome.relaxed, outcome.double_support));
+    if (nearest)
+      row.push_back(share(adjusted(outcome), outcome.answered));
   }
   print(rows);
   fmt::print("\nlargest jump of a torque where contacts change, N m, 0 below 1e-6, between samples up to {} µs apart; "
              "largest torque, N m;\nsum over the motors, N² m² s; share of double support in which no foot slips, "
-             "lifts or tips; in which conditions gave way\n",
-             changes.longest);
+             "lifts or tips; in which conditions gave way{}\n",
+             changes.longest, nearest ? ";\nshare of the motion that is answered by the nearest one" : "");
 }
 
 void require_answers(const std::string& file, const std::vector<MethodRun>& runs)
@@ -297,7 +308,7 @@ ExitCode compare(const CompareOptions& options)
   {
     const auto in_double_support = std::ranges::count(parts[0].chosen, true);
     fmt::print("{}: {} samples, {} of them in double support\n\n", robot.name, states.size(), in_double_support);
-    print_outcomes(changes, runs);
+    print_outcomes(changes, runs, settings.methods.infeasible == OnInfeasible::nearest);
     print_agreements(channels, runs, parts);
   }
   if (!options.json.empty())

@@ -96,4 +96,13 @@ std::vector<DesiredState> decode_all(const Robot& robot, const DesiredMessages& 
   return states;
 }
 
+void require_one_base(const Origin& origin, const std::vector<DesiredState>& states)
+{
+  for (std::size_t i = 0; i < states.size(); ++i)
+    if (states[i].base_given != states.front().base_given)
+      throw Failure(ExitCode::bad_data,
+                    "{}: base is {}; expected it GIVEN in all desired states, or FROM_CONTACT in all", origin.place(i),
+                    states[i].base_given ? "GIVEN" : "FROM_CONTACT");
+}
+
 } // namespace torqued

@@ -57,4 +57,7 @@ std::vector<std::string> motion_cells(const Robot& robot, const DesiredState& st
 /// first that cannot be used.
 std::vector<DesiredState> decode_all(const Robot& robot, const DesiredMessages& desired);
 
+/// Throws Failure, bad_data, unless the base point is given in all desired states, or in none.
+void require_one_base(const Origin& origin, const std::vector<DesiredState>& states);
+
 } // namespace torqued

@@ -7,11 +7,11 @@
 #include "motion/console.h"
 #include "motion/files.h"
 #include "study/answer_table.h"
+#include "study/extent.h"
 
 #include <CLI/CLI.hpp>
 
-#include <algorithm>
-#include <cmath>
+#include <array>
 #include <fmt/format.h>
 #include <memory>
 #include <vector>
@@ -25,15 +25,6 @@ namespace
 bool in_contact(const DesiredState& state, Side side)
 {
   return state.support.of(side) != Contact::none;
-}
-
-void check_base(const Origin& origin, const std::vector<DesiredState>& states)
-{
-  for (std::size_t i = 0; i < states.size(); ++i)
-    if (states[i].base_given != states.front().base_given)
-      throw Failure(ExitCode::bad_data,
-                    "{}: base is {}; expected it GIVEN in all desired states, or FROM_CONTACT in all", origin.place(i),
-                    states[i].base_given ? "GIVEN" : "FROM_CONTACT");
 }
 
 // Footholds by the mean over each stance of a foot.
@@ -98,33 +89,6 @@ std::vector<Footholds> find_footholds(const Robot& robot, const Origin& origin, 
   return footholds;
 }
 
-// The largest of many numbers, their root mean square, and where the largest is.
-class Extent
-{
-public:
-  void add(double number, std::string_view place, std::string_view name = "")
-  {
-    squares_ += number * number;
-    ++count_;
-    if (std::abs(number) > largest_ || count_ == 1)
-    {
-      largest_ = std::abs(number);
-      where_ = name.empty() ? std::string(place) : fmt::format("{}, {}", name, place);
-    }
-  }
-  std::string line(std::string_view what, std::string_view unit) const
-  {
-    return count_ == 0 ? ""
-                       : fmt::format("  {:<34} {:.4g} {} ({}), rms {:.4g}\n", what, largest_, unit, where_,
-                                     std::sqrt(squares_ / static_cast<double>(count_)));
-  }
-
-private:
-  double squares_ = 0.0, largest_ = 0.0;
-  std::size_t count_ = 0;
-  std::string where_;
-};
-
 // What projection found and did, over a whole motion.
 struct Report
 {
@@ -154,10 +118,9 @@ struct Report
 
   std::string text(const Robot& robot) const
   {
-    const bool slides = std::ranges::any_of(robot.links, [](const Link& link) { return link.type().slides(); });
-    const auto unit = [slides](const std::string& per)
+    const auto unit = [&robot](std::string_view per)
     {
-      return slides ? fmt::format("rad{0} or m{0}", per) : "rad" + per;
+      return coordinate_unit(robot, per);
     };
     std::string lines = "the motion was off its contacts by up to\n";
     lines += position.line("position", "m") + tilt.line("angle of a sole", "rad") +
@@ -176,7 +139,7 @@ ExitCode run_project(const OfflineOptions& options)
   require_ending(options.out, {".csv"});
   const auto [config, robot, desired] = read_offline_input(options);
   const std::vector<DesiredState> states = decode_all(robot, desired);
-  check_base(desired, states);
+  require_one_base(desired, states);
   const std::vector<Footholds> footholds = find_footholds(robot, desired, states);
   const bool base_given = states.front().base_given;
 

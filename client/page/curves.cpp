@@ -86,6 +86,43 @@ Curve foot_curve(const Robot& robot, const Foot& foot, const FootQuantity& quant
           of};
 }
 
+Curve acceleration_curve(const Robot& robot, int coordinate)
+{
+  const Link& link = *std::ranges::find(robot.links, coordinate, &Link::coordinate);
+  const auto [side, kind] = sided(link.name);
+  const std::string& name = robot.absolute_names[static_cast<std::size_t>(coordinate)];
+  return {"a_" + name,
+          fmt::format("{} ({})", side ? fmt::format("{} {}", name_of(*side), kind) : link.name, name),
+          link.type().slides() ? "m/s²" : "rad/s²",
+          side,
+          "a_" + (side ? kind : name),
+          {},
+          Acceleration{coordinate}};
+}
+
+// those of both sides beside each other
+std::vector<Curve> acceleration_curves(const Robot& robot)
+{
+  std::vector<Curve> curves;
+  for (int i = 0; i < robot.num_coordinates(); ++i)
+  {
+    Curve curve = acceleration_curve(robot, i);
+    const auto last = std::ranges::find(curves.rbegin(), curves.rend(), curve.group, &Curve::group);
+    curves.insert(last == curves.rend() ? curves.end() : last.base(), std::move(curve));
+  }
+  std::ranges::stable_sort(curves, {}, [](const Curve& curve) { return !curve.side; });
+  for (const int i : {0, 1})
+    if (const std::string& name = robot.base_names[static_cast<std::size_t>(i)]; !name.empty())
+      curves.push_back({"a_" + name,
+                        fmt::format("base point {} ({})", i == 0 ? "forward" : "upward", name),
+                        "m/s²",
+                        std::nullopt,
+                        "a_" + name,
+                        {},
+                        Acceleration{robot.num_coordinates() + i}});
+  return curves;
+}
+
 } // namespace
 
 std::string foot_column(std::string_view quantity, Side side)
@@ -111,7 +148,7 @@ std::vector<CurveSection> curve_sections(const Robot& robot)
   add("dynamics_residual", "residual of the equation of motion", "N or N m", &Answer::dynamics_residual);
   add("compute_us", "time to compute the answer", "µs", &AnswerTime::compute_us);
   add("delay_us", "from desired state to answer, at the logger", "µs", &AnswerTime::delay_us);
-  return {torques, forces, checks};
+  return {torques, forces, {"Accelerations, answered and asked for", acceleration_curves(robot)}, checks};
 }
 
 std::string title_of(const Channel& channel)

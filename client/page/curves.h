@@ -13,6 +13,12 @@
 namespace torqued
 {
 
+/// The acceleration of a coordinate, in ABSOLUTE coordinates, or of the base point: x and z after the last coordinate.
+struct Acceleration
+{
+  int coordinate;
+};
+
 struct Curve
 {
   std::string name;  ///< of its column: "tau_left_hip", "fzL"
@@ -21,8 +27,9 @@ struct Curve
   std::optional<Side> side;   ///< whose contacts are shaded behind it
   std::string group;          ///< curves of a group share their range
   std::vector<double> bounds; ///< values that matter: a motor's limits, the ends of a sole
-  /// Its value in an answer; or in when that came, which not every run knows.
-  std::variant<std::function<double(const Answer&)>, double AnswerTime::*> of;
+  /// Its value in an answer; or in when that came, which not every run knows; or an acceleration, which is shown beside
+  /// the one that was asked for, of motions that were moved.
+  std::variant<std::function<double(const Answer&)>, double AnswerTime::*, Acceleration> of;
 };
 
 /// Curves under one heading, in the order in which they are shown.

@@ -57,8 +57,10 @@ void LiveMotion::hear(const desired_state_t& desired, Clock::time_point now)
   const std::optional<Kinematics> placed = path_.next(state);
   if (placed && !robot_.fixed_root())
   {
-    state.base_given = true;
     state.q.tail<2>() = placed->base;
+    if (!state.base_given)
+      state.a.tail<2>().setConstant(NAN); // nobody asked for any
+    state.base_given = true;
   }
   samples_.push_back({std::move(state), now, std::nullopt, {NAN, NAN}, ""});
   while (elapsed(samples_.front().state.utime, samples_.back().state.utime) > length_ || samples_.size() > kMostSamples)

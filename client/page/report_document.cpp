@@ -3,6 +3,7 @@
 #include "page/drawing.h"
 #include "page/report_page.h"
 #include "stance/checks.h"
+#include "stance/flags.h"
 #include "study/answer_table.h"
 #include "study/world_path.h"
 
@@ -64,7 +65,35 @@ Poses find_poses(const Robot& robot, const std::vector<DesiredState>& states, co
   return poses;
 }
 
-std::vector<Series> answer_series(const Robot& robot, const ReportRun& run)
+// whether an answer has other accelerations than were asked for
+bool is_moved(const ReportMotion& motion)
+{
+  for (const ReportRun& run : motion.runs)
+    for (const std::optional<Answer>& answer : run.answers)
+      if (answer && (answer->flags & (flag::adjusted | flag::projected)) != 0)
+        return true;
+  return false;
+}
+
+double answered_acceleration(const Robot& robot, const DesiredState& asked, const Answer& answer, int coordinate)
+{
+  const int n = robot.num_coordinates();
+  if (coordinate >= n)
+    return answer.base_a(coordinate - n);
+  return asked.relative_a.size() > 0 ? robot.A_inverse.row(coordinate).head(n).dot(answer.a) : answer.a(coordinate);
+}
+
+double asked_acceleration(const Robot& robot, const DesiredState& asked, int coordinate)
+{
+  const int n = robot.num_coordinates();
+  if (coordinate < n)
+    return asked.a(coordinate);
+  return asked.base_given ? asked.a.tail<2>()(coordinate - n) : NAN;
+}
+
+// each curve's value at a sample; moved: is_moved()
+std::vector<Series> answer_series(const Robot& robot, const std::vector<DesiredState>& states, const ReportRun& run,
+                                  bool moved)
 {
   std::vector<Series> series;
   const auto add = [&](const std::string& name, std::function<double(const Answer&)> of)
@@ -78,6 +107,16 @@ std::vector<Series> answer_series(const Robot& robot, const ReportRun& run)
     for (const Curve& curve : section.curves)
       if (const auto* of = std::get_if<std::function<double(const Answer&)>>(&curve.of))
         add(curve.name, *of);
+      else if (const auto* moving = std::get_if<Acceleration>(&curve.of))
+      {
+        if (moved)
+          series.push_back({curve.name, [&robot, &states, &run, coordinate = moving->coordinate](std::size_t i)
+                            {
+                              return run.answers[i]
+                                         ? answered_acceleration(robot, states[i], *run.answers[i], coordinate)
+                                         : NAN;
+                            }});
+      }
       else if (!run.times.empty())
         series.push_back({curve.name, [&run, time = std::get<double AnswerTime::*>(curve.of)](std::size_t i)
                           {
@@ -85,6 +124,20 @@ std::vector<Series> answer_series(const Robot& robot, const ReportRun& run)
                           }});
   add("flags", [](const Answer& answer) { return static_cast<double>(answer.flags); });
   series.back().bits = true;
+  return series;
+}
+
+// the accelerations that were asked for
+std::vector<Series> asked_series(const Robot& robot, const std::vector<DesiredState>& states)
+{
+  std::vector<Series> series;
+  for (const CurveSection& section : curve_sections(robot))
+    for (const Curve& curve : section.curves)
+      if (const auto* of = std::get_if<Acceleration>(&curve.of))
+        series.push_back({curve.name, [&robot, &states, coordinate = of->coordinate](std::size_t i)
+                          {
+                            return asked_acceleration(robot, states[i], coordinate);
+                          }});
   return series;
 }
 
@@ -181,13 +234,16 @@ Json describe(const Robot& robot, const ReportMotion& motion, const Resolution& 
 
   const Changes changes = find_changes(states);
   json["longest_change"] = changes.longest;
+  const bool moved = is_moved(motion);
   json["runs"] = Json::array();
   for (const ReportRun& run : motion.runs)
   {
     Json described{{"name", run.name}, {"figures", figures(robot, motion, run, changes, poses.distance)}};
-    add_columns(described, answer_series(robot, run), thinning);
+    add_columns(described, answer_series(robot, states, run, moved), thinning);
     json["runs"].push_back(std::move(described));
   }
+  if (moved)
+    add_columns(json["asked"], asked_series(robot, states), thinning);
   for (const bool published : {false, true})
   {
     std::vector<Series> series;

@@ -6,7 +6,6 @@
 #include <Eigen/LU>
 #include <fmt/format.h>
 #include <iterator>
-#include <utility>
 
 namespace torqued
 {
@@ -40,11 +39,21 @@ std::vector<std::string> MotionTable::answer_names() const
   return answer_columns(model_.joint_names, coordinates_and_base());
 }
 
-std::string MotionTable::header() const
+std::vector<std::string> MotionTable::state_columns() const
 {
   std::vector<std::string> columns = written_columns(base_ ? coordinates_and_base() : coordinates());
   columns.insert(columns.begin() + 1, "time");
-  return csv_line(std::move(columns), answer_names());
+  return columns;
+}
+
+std::string MotionTable::header() const
+{
+  return csv_line(state_columns(), answer_names());
+}
+
+std::string MotionTable::motion_header() const
+{
+  return csv_line(state_columns(), {"method"});
 }
 
 std::string MotionTable::line(const desired_state_t& state, const std::optional<double>& seconds,
@@ -60,6 +69,11 @@ std::string MotionTable::line(const desired_state_t& state, const std::optional<
                               std::string_view why) const
 {
   return csv_line(state_cells(state, seconds), rejected_cells(answer_names().size(), why));
+}
+
+std::string MotionTable::motion_line(const desired_state_t& state, const std::optional<double>& seconds) const
+{
+  return csv_line(state_cells(state, seconds), {state.method == 0 ? "default" : method_name(state.method)});
 }
 
 std::vector<std::string> MotionTable::state_cells(const desired_state_t& state,

@@ -7,7 +7,7 @@
 import assert from 'node:assert/strict';
 import {execFileSync, spawn} from 'node:child_process';
 import {once} from 'node:events';
-import {mkdirSync, mkdtempSync, readFileSync, rmSync} from 'node:fs';
+import {mkdirSync, mkdtempSync, readFileSync, rmSync, writeFileSync} from 'node:fs';
 import {createRequire} from 'node:module';
 import {get} from 'node:http';
 import {tmpdir} from 'node:os';
@@ -23,6 +23,18 @@ const file = name => join(folder, name);
 const torquectl = (...words) => execFileSync(TORQUECTL, words, {stdio: ['ignore', 'ignore', 'pipe']});
 const methods = ['human-transition', 'constrained'];
 
+// a walk whose links accelerate otherwise in its second half
+const disturbed = path => {
+  const [header, ...rows] = readFileSync(path, 'utf8').split('\n');
+  const names = header.split(',');
+  const wave = (time, k) => time > 1.4 ? 20 * Math.sin(30 * time + k) : 0;
+  return [header, ...rows.map(row => {
+    const cells = row.split(',');
+    if (cells.length < names.length) return row;
+    return cells.map((cell, k) => names[k].startsWith('ddq') ? Number(cell) + wave(Number(cells[0]) / 1e6, k) : cell).join(',');
+  })].join('\n');
+};
+
 let browser;
 before(async () => {
   mkdirSync(PICTURES, {recursive: true});
@@ -34,6 +46,11 @@ before(async () => {
   torquectl('gait', '--robot', 'rk', '-o', file('rk.csv'));
   torquectl('report', file('rk.csv'), '--robot', 'rk', '-o', file('rk.html'));
   torquectl('eval', file('rk.csv'), '--robot', 'rk', '-o', file('rk-answers.csv'));
+  // asked for more than feet and motors can do, in the second half
+  writeFileSync(file('wild.csv'), disturbed(file('rk.csv')));
+  writeFileSync(file('nearest.toml'), 'infeasible = "nearest"\nevery_sample = true\n');
+  torquectl('report', file('wild.csv'), '--config', file('nearest.toml'), '-o', file('wild.html'));
+  torquectl('eval', file('wild.csv'), '--config', file('nearest.toml'), '-o', file('wild-answers.csv'));
   torquectl('report', join(TRAJECTORIES, 'compass/case-a.csv'), '--robot', 'compass', '-o', file('compass.html'));
   // as root Chromium has no sandbox; what it loads here is our own
   browser = await chromium.launch({executablePath: CHROMIUM, args: ['--no-sandbox']});
@@ -90,6 +107,31 @@ test('numbers at the cursor are those of eval and of the force plates', async ()
     }
   }
   await page.close();
+});
+
+test('accelerations are shown as they were answered and as they were asked for, where they differ', async () => {
+  const page = await open('wild.html');
+  const asked = read(file('wild.csv')), answers = read(file('wild-answers.csv'));
+  const near = (value, expected) => assert.ok(Math.abs(value - expected) <= 1e-5 * Math.max(1, Math.abs(expected)), `${value}, expected ${expected}`);
+  let apart = 0;
+  for (const sample of [20, 333, 400, 471, 540]) {
+    await goTo(page, sample);
+    for (const [title, name] of [['left shin (q1), rad/s²', 'q1'], ['right foot (q5), rad/s²', 'q5'], ['trunk (q6), rad/s²', 'q6']]) {
+      const found = await values(page, title);
+      near(found.asked, asked['dd' + name][sample]);
+      near(found['run 0'], answers['a_' + name][sample]);
+      apart += Math.abs(found.asked - found['run 0']) > 1 ? 1 : 0;
+    }
+  }
+  assert.ok(apart >= 5, `they are apart in ${apart} places`);
+  const adjusted = answers.flags.filter(flags => flags & 1024).length;
+  assert.ok(adjusted > 100);
+  assert.equal(await page.textContent('#figures tr:has(th:text-is("adjusted")) td'), String(adjusted));
+  await page.close();
+
+  const usual = await open('rk.html');
+  assert.equal(await usual.getByRole('heading', {name: /^Accelerations/}).count(), 0);
+  await usual.close();
 });
 
 test('curves pass through the samples', async () => {
@@ -203,7 +245,7 @@ test('the robot shows the answers that are chosen, and curves can be hidden', as
   await page.close();
 });
 
-for (const [name, title] of [['walk.html', 'measured walk'], ['rk.html', 'rolling knees'], ['compass.html', 'compass']])
+for (const [name, title] of [['walk.html', 'measured walk'], ['rk.html', 'rolling knees'], ['wild.html', 'what cannot be had'], ['compass.html', 'compass']])
   for (const [width, theme] of [[400, 'light'], [1600, 'dark'], [1600, 'light']])
     test(`${title}: at ${width} px, ${theme}, nothing is cut off and axe finds nothing`, async () => {
       const page = await open(name, {width, theme});
@@ -277,6 +319,44 @@ test('view shows the last seconds of what is sent, live, until it is frozen', as
     await page.close();
   } finally {
     for (const child of started) await stop(child);
+  }
+});
+
+test('view shows accelerations as soon as one is adjusted', async () => {
+  const started = [];
+  const start = (program, words) => {
+    const child = spawn(program, words, {stdio: ['ignore', 'pipe', 'ignore']});
+    started.push(child);
+    return child;
+  };
+  try {
+    start(TORQUED, ['--robot', 'rk', '--config', file('nearest.toml')]);
+    const view = start(TORQUECTL, ['view', '--port', '0', '--seconds', '3']);
+    const url = String((await once(view.stdout, 'data'))[0]).match(/http:[^ ]+/)[0];
+    const usual = start(TORQUECTL, ['send', '--loop', file('rk.csv')]);
+    const page = await open('view', {url});
+    const heading = page.getByRole('heading', {name: 'Accelerations, answered and asked for'});
+    assert.equal(await heading.count(), 0);
+    usual.kill('SIGINT');
+    await once(usual, 'exit');
+    start(TORQUECTL, ['send', file('wild.csv')]);
+    await heading.waitFor();
+    await page.waitForFunction(() => Number(document.querySelector('#clock').textContent.split(' ')[0]) > 2.4);
+    await page.click('#play');
+    const found = await values(page, 'right foot (q5), rad/s²');
+    const answers = read(file('wild-answers.csv'));
+    const sample = answers.ddq5.findIndex(asked => Math.abs(asked - found.asked) < 1e-5 * Math.max(1, Math.abs(asked)));
+    assert.ok(sample > 0 && Math.abs(answers.a_q5[sample] - found['run 0']) < 1e-4, `asked ${found.asked}, answered ${found['run 0']}`);
+    assert.ok(Number(await page.textContent('#figures tr:has(th:text-is("adjusted")) td')) > 50);
+    await page.screenshot({path: join(PICTURES, 'view-adjusted.png'), fullPage: true});
+    page.removeAllListeners('console'); // what the browser says of the lost connection is no complaint of ours
+    await page.close();
+  } finally {
+    for (const child of started) {
+      if (child.exitCode !== null || child.signalCode !== null) continue;
+      child.kill('SIGKILL');
+      await once(child, 'exit');
+    }
   }
 });
 

@@ -52,7 +52,6 @@ const summary = () => [robot.name, ...motions.map(motion =>
 const begun = () => {
   fillRuns();
   fillLayers();
-  buildPanels();
   view = [begin, report.live || end - begin <= 20 ? end : begin + 10];
   now = begin;
   byId('content').hidden = false;
@@ -64,6 +63,7 @@ const redraw = () => {
   setTime(now);
 };
 const refresh = () => {
+  buildPanels();
   byId('summary').textContent = summary();
   fillFigures();
   show(shown);

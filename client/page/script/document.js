@@ -1,10 +1,11 @@
 // What the page is about: the document (report_page.h), and which part of it is shown.
 //
 // The document: robot {links, joints, feet}; sections of curves {name, title, unit, side, group, bounds}; names of contacts
-// by number, and of flags by bit; motions, each with times and poses by frame and the runs that answered it. A run's
-// columns are `frames` by name and, of a motion too long to be held whole, `curves`: the least and the largest value of
-// each stretch, at the times `curve_time`. Of view also `liveness`: the ages, in s, of the last answer and of torqued's last
-// status, and whether that said that torqued was stopping.
+// by number, and of flags by bit; motions, each with times and poses by frame, the runs that answered it and, where answers
+// have other accelerations than it, those that were `asked` for. A run's columns are `frames` by name and, of a motion too
+// long to be held whole, `curves`: the least and the largest value of each stretch, at the times `curve_time`. Of view also
+// `liveness`: the ages, in s, of the last answer and of torqued's last status, and whether that said that torqued was
+// stopping.
 
 const bytes = text => {
   const binary = atob(text);

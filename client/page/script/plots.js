@@ -44,16 +44,18 @@ const curveOf = (owner, motion, name) => {
 const seriesOf = panel => [
   {key: 'plates', owner: shown.motion.plates, motion: shown.motion, ink: colour('measured'), width: 4},
   {key: 'published', owner: shown.motion.published, motion: shown.motion, ink: colour('quiet'), width: 1.5, pattern: [2, 3]},
+  {key: 'asked', owner: shown.motion.asked, motion: shown.motion, ink: colour('quiet'), width: 1.4, pattern: [5, 3]},
   ...runs.filter(isVisible).sort((a, b) => (a === shown) - (b === shown))
     .map(run => ({key: 'run ' + run.index, owner: run, motion: run.motion, ink: runColour(run), width: run === shown ? 2 : 1.4})),
 ].map(series => ({...series, curve: curveOf(series.owner, series.motion, panel.name)})).filter(series => series.curve);
 
 const panels = [];
+const grids = new Map(); // of panels, by their section's title
 const addSection = title => {
-  const id = 'section-' + panels.length;
+  const id = 'section-' + grids.size;
   const grid = make('div', {class: 'panels'});
   byId('plots').append(make('section', {class: 'card', 'aria-labelledby': id}, make('h2', {id, text: title}), grid));
-  return grid;
+  grids.set(title, grid);
 };
 const addPanel = (grid, curve, wide) => {
   const chart = make('div', {class: 'chart'});
@@ -80,13 +82,17 @@ const addPanel = (grid, curve, wide) => {
 const timeUnder = (panel, event) => panel.dygraph.toDataXCoord(event.clientX - panel.plot.getBoundingClientRect().left);
 const scrub = (panel, event) => setTime(Math.min(Math.max(timeUnder(panel, event), view[0]), view[1]));
 
+// panels for the curves that runs have; of a live motion these may become more
 const buildPanels = () => {
   for (const {title, curves} of report.sections) {
-    const grid = addSection(title);
+    if (!grids.has(title)) addSection(title);
+    const grid = grids.get(title);
     for (const curve of curves) {
       const alone = curve.side !== null && !curves.some(other => other !== curve && other.group === curve.group);
-      if (runs.some(run => run.frames[curve.name] !== undefined)) addPanel(grid, curve, alone);
+      const known = panels.some(panel => panel.name === curve.name);
+      if (!known && runs.some(run => run.frames[curve.name] !== undefined)) addPanel(grid, curve, alone);
     }
+    grid.parentElement.hidden = grid.children.length === 0;
   }
 };
 

@@ -16,8 +16,9 @@ const showCursor = () => {
       const span = panel.values.children[k];
       span.dataset.of = key;
       span.dataset.value = value;
-      span.style.color = key === 'plates' || key === 'published' ? colour('quiet') : ink;
-      span.textContent = ` ${key === 'plates' ? 'plates ' : key === 'published' ? 'published ' : ''}${text(value, 4)} `;
+      const ofRun = key.startsWith('run');
+      span.style.color = ofRun ? ink : colour('quiet');
+      span.textContent = ` ${ofRun ? '' : key + ' '}${text(value, 4)} `;
     });
   }
 };
