@@ -39,8 +39,8 @@ void list(AnswerSettings& settings, SettingList& with);
 /// FNV-1a of the settings; never 0.
 std::int64_t settings_id(AnswerSettings settings);
 
-/// What is wrong with the settings for a robot: one line, or nothing. Weights need a row and a column for each motor; the
-/// margin of the nearest motion leaves something of every sole.
+/// What is wrong with the settings for a robot: one line, or nothing. Weights need a row and a column for each motor;
+/// the margin of the nearest motion leaves something of every sole.
 std::optional<std::string> complaint(AnswerSettings settings, const Robot& robot);
 
 } // namespace torqued
