@@ -53,6 +53,8 @@ AnswerSettings settings(std::uint8_t choice)
   constexpr std::array infeasible{OnInfeasible::relax, OnInfeasible::refuse, OnInfeasible::nearest,
                                   OnInfeasible::nearest};
   settings.methods.infeasible = infeasible[choice >> 6];
+  if (choice >> 6 == 3)
+    settings.nearest = {.metric = NearestMetric::angles, .contact_damping = 40.0, .margin = 0.005};
   return settings;
 }
 
@@ -102,8 +104,11 @@ void hear_desired(const Robot& robot, const AnswerSettings& settings, Bytes mess
   const torque_command_t& command = commands[0];
   require(all_finite(command), "every number of a command is finite");
   require(command.utime == desired.utime && command.stream_id == desired.stream_id, "a command is that of its sample");
-  for (std::size_t j = 0; settings.limits == OnExcess::clamp && j < command.torque.size(); ++j)
-    require(std::abs(command.torque[j]) <= robot.actuators[j].torque_limit, "clamped torques keep their limits");
+  const bool within = settings.limits == OnExcess::clamp || settings.methods.infeasible == OnInfeasible::nearest;
+  for (std::size_t j = 0; within && j < command.torque.size(); ++j)
+    require(std::abs(command.torque[j]) <=
+                robot.actuators[j].torque_limit * (settings.limits == OnExcess::clamp ? 1.0 : 1.0 + 1e-8),
+            "torques that are clamped, or the nearest motion's, keep their limits");
   std::array<std::vector<std::byte>, 2> bytes;
   for (std::size_t i = 0; i < 2; ++i)
     encode(commands[i], bytes[i]);
