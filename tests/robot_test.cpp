@@ -251,6 +251,8 @@ TEST_CASE("a bad robot file is refused with file, line, key and what would be ri
       {"mass = 29.2", "mass = 1,5", "mass = 1,5", "not TOML"},
       {"mass = 29.2", "mass = 1kg", "mass = 1kg", "not TOML"},
       {"mass = 29.2\n", "", "[[link]]\nname = \"trunk\"", "link 'trunk': mass: is missing; expected a finite number"},
+      {"mass = 29.2\n", "mas = 29.2\n", "[[link]]\nname = \"trunk\"",
+       "link 'trunk': mass: is missing; expected a finite number; mas in line 82 is not known here"},
       {"mass = 29.2", "mass = 29.2\nmasss = 1.0", "masss",
        "link 'trunk': masss: is not known here; known are: base, com,"},
       {"inertia = 0.81", "inertia = -0.81", "-0.81", "link 'trunk': inertia: found -0.81"},

@@ -1,6 +1,7 @@
 #include "robot/files/strict_toml.h"
 
 #include "text/printable.h"
+#include "text/spelling.h"
 
 #include <algorithm>
 #include <cctype>
@@ -117,6 +118,16 @@ const toml::node* StrictTable::find(std::string_view key)
   return table_->get(key);
 }
 
+// a key that nobody asked for, and that may be meant
+std::string StrictTable::slip_of(std::string_view key) const
+{
+  for (const auto& [found, node] : *table_)
+    if (std::ranges::find(asked_, found.str()) == asked_.end() && resembles(found.str(), key))
+      return fmt::format("; {} in line {} is not known here", printable(std::string(found.str())),
+                         node.source().begin.line);
+  return {};
+}
+
 template <typename Value, typename Convert>
 Value StrictTable::read(std::string_view key, std::optional<Value> fallback, std::string_view expected,
                         const Convert& convert)
@@ -125,7 +136,7 @@ Value StrictTable::read(std::string_view key, std::optional<Value> fallback, std
   if (!node && fallback)
     return *std::move(fallback);
   if (!node)
-    fail(key, fmt::format("is missing; expected {}", expected));
+    fail(key, fmt::format("is missing; expected {}{}", expected, slip_of(key)));
   std::optional<Value> value = convert(*node);
   if (!value)
     wrong_type(key, *node, expected);

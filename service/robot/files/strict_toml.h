@@ -59,6 +59,7 @@ private:
   template <typename Value, typename Convert>
   Value read(std::string_view key, std::optional<Value> fallback, std::string_view expected, const Convert& convert);
   const toml::node* find(std::string_view key);
+  std::string slip_of(std::string_view key) const;
   [[noreturn]] void wrong_type(std::string_view key, const toml::node& found, std::string_view expected) const;
 
   const toml::table* table_;

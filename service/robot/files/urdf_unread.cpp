@@ -3,6 +3,7 @@
 #include "text/number.h"
 #include "text/plain_text.h"
 #include "text/printable.h"
+#include "text/spelling.h"
 
 #include <algorithm>
 #include <array>
@@ -116,34 +117,13 @@ void add_transmission(const tinyxml2::XMLElement& element, Transmission& transmi
   }
 }
 
-// letters that are missing, too many, wrong or swapped with the next one
-std::size_t slips(std::string_view a, std::string_view b)
-{
-  std::vector<std::vector<std::size_t>> d(a.size() + 1, std::vector<std::size_t>(b.size() + 1));
-  for (std::size_t i = 0; i <= a.size(); ++i)
-    for (std::size_t j = 0; j <= b.size(); ++j)
-    {
-      if (i == 0 || j == 0)
-      {
-        d[i][j] = i + j;
-        continue;
-      }
-      d[i][j] =
-          std::min({d[i - 1][j] + 1, d[i][j - 1] + 1, d[i - 1][j - 1] + (a[i - 1] == b[j - 1] ? std::size_t{0} : 1)});
-      if (i > 1 && j > 1 && a[i - 1] == b[j - 2] && a[i - 2] == b[j - 1])
-        d[i][j] = std::min(d[i][j], d[i - 2][j - 2] + 1);
-    }
-  return d[a.size()][b.size()];
-}
-
 // the element of URDF that a name is but for a slip of the pen; a vendor's name, which has a prefix, is none
 std::optional<std::string_view> misspelt(std::string_view name)
 {
   constexpr std::array<std::string_view, 12> known{"inertial", "inertia", "mass",  "origin", "parent",   "child",
                                                    "axis",     "mimic",   "joint", "link",   "dynamics", "limit"};
   for (const std::string_view word : known)
-    if (const std::size_t most = word.size() >= 6 ? 2 : 1;
-        name.size() <= word.size() + most && slips(lower_case(name), word) <= most)
+    if (resembles(lower_case(name), word))
       return word;
   return {};
 }
