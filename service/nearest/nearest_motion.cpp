@@ -315,12 +315,12 @@ Nearest::Program Nearest::program(const MotionSpace& space, const Eigen::Matrix3
     const ReactionTorques torques = reaction_torques(robot_, equations_, support_, all0);
     const MatrixQ F = space.basis();
     const TorqueRange range = narrowed(2.0 * kRoom);
+    SupportEquations change = equations_;
     for (int k = 0; k < n; ++k)
     {
       VectorJ torque;
       if (k < zeta)
       {
-        SupportEquations change = equations_;
         change.r.noalias() = space.mass().lazyProduct(F.col(k));
         WrenchVector w = WrenchVector::Zero(all0.components);
         if (k < 3)
