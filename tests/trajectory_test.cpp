@@ -516,6 +516,19 @@ TEST_CASE("where both feet keep their contacts throughout, half of the load is h
   CHECK(notes(read(table({}))).empty()); // on one foot neither means anything
 }
 
+TEST_CASE("an optional column whose name has a slip of the pen is named in a note", "[trajectory]")
+{
+  const auto said = [](const std::string& column)
+  {
+    return notes(read(table({{column, "0.25"}})));
+  };
+  CHECK(said("load_tranfer") ==
+        std::vector<std::string>{"t.csv: column load_tranfer is left out, and there is no column load_transfer"});
+  CHECK(said("Phasee") == std::vector<std::string>{"t.csv: column Phasee is left out, and there is no column phase"});
+  CHECK(said("load_transfer").empty());
+  CHECK(said("remark").empty());
+}
+
 TEST_CASE("the foot that landed last leads", "[trajectory]")
 {
   struct Row

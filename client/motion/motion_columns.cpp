@@ -2,7 +2,9 @@
 
 #include "motion/failure.h"
 #include "motion/table_text.h"
+#include "text/plain_text.h"
 #include "text/printable.h"
+#include "text/spelling.h"
 
 #include <algorithm>
 #include <fmt/format.h>
@@ -143,6 +145,12 @@ private:
     found_.load_transfer = find("load_transfer");
     found_.phase = find("phase");
     found_.method = find("method");
+    for (const std::string word : {"leading", "load_transfer", "phase", "method"})
+      if (!find(word))
+        for (const std::string& name : found_.names)
+          if (resembles(lower_case(name), word))
+            found_.assumptions.push_back(
+                fmt::format("column {} is left out, and there is no column {}", printable(name, kLongestShown), word));
   }
 
   void choose_coordinates()
