@@ -5,6 +5,7 @@
 #include "motion/failure.h"
 #include "motion/lcm_log.h"
 #include "questions/newton_euler.h"
+#include "stance/contacts.h"
 #include "stance/joint_friction.h"
 #include "text/number.h"
 #include "text/printable.h"

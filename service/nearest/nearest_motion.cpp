@@ -132,7 +132,7 @@ private:
   };
   Program program(const MotionSpace& space, const Eigen::Matrix3d& D, const AdmissibleReactions& all0,
                   bool motors) const;
-  bool relax(Program& program, std::bitset<kMaxRows>& active);
+  std::optional<VectorQ> relax(Program& built);
 
   const Robot& robot_;
   const Support& support_;
@@ -366,27 +366,35 @@ Nearest::Program Nearest::program(const MotionSpace& space, const Eigen::Matrix3
   return built;
 }
 
-// Grants the contacts' conditions what they lack at the least, in the program and in the limits. Whether that was
-// found.
-bool Nearest::relax(Program& built, std::bitset<kMaxRows>& active)
+// The variables at which the contacts' conditions lack the least; grants them that, in the program and in the limits.
+// Nothing if it was not found.
+std::optional<VectorQ> Nearest::relax(Program& built)
 {
   Rows& rows = built.program.rows;
   Rows soft = rows;
   for (int i = 0; i < built.contact_rows; ++i)
     soft.soft.set(static_cast<std::size_t>(i));
+  // ζ has no part in what is sought: each may have units of its own, in which its entries are of order 1
+  VectorQ unit = VectorQ::Ones(built.program.g.size());
+  for (int k = 0; k < built.zeta; ++k)
+    if (const double most = rows.A.col(k).cwiseAbs().maxCoeff(); most > 0.0)
+    {
+      unit(k) = 1.0 / most;
+      soft.A.col(k) *= unit(k);
+    }
   const QuadraticProgramSolution least =
-      least_violation(soft, BoundedVector<kMaxVariables>::Zero(built.program.g.size()), active);
+      least_violation(soft, BoundedVector<kMaxVariables>::Zero(built.program.g.size()));
   if (least.status != QuadraticProgramStatus::optimal)
-    return false;
+    return {};
+  const VectorQ at_least = unit.cwiseProduct(least.y);
   ContactCondition* condition = limits_.contacts.begin();
   for (int i = 0; i < built.contact_rows; ++i, ++condition)
   {
-    const double lacks = std::max(0.0, rows.A.row(i).dot(least.y) - rows.b(i)) + kRoom;
+    const double lacks = std::max(0.0, rows.A.row(i).dot(at_least) - rows.b(i)) + kRoom;
     rows.b(i) += lacks;
     condition->bound += lacks / condition->factor;
   }
-  active = least.active;
-  return true;
+  return at_least;
 }
 
 Result<NearestMotion> Nearest::answer(const TorqueSolution& chosen, bool relaxed) const
@@ -448,15 +456,20 @@ Result<NearestMotion> Nearest::find()
     if (solution.status == infeasible && bounded && !motors)
       continue;
     bool relaxed = contradictory;
-    if (solution.status == infeasible && relax(built, solution.active))
+    std::optional<VectorQ> least_violating;
+    if (solution.status == infeasible)
     {
       relaxed = true;
-      solution = solve_semidefinite(built.program, from, solution.active);
+      least_violating = relax(built);
+      if (least_violating)
+        solution = solve_semidefinite(built.program, *least_violating);
     }
-    if (solution.status != optimal)
+    if (solution.status != optimal && !least_violating)
       return Refusal(Reason::numerical, "the nearest motion was not found; the motion's numbers are too large");
 
-    const VectorQ variables = built.unit.cwiseProduct(solution.y);
+    // where rounding has closed what was granted, the motion that violates least is answered, if not the nearest one
+    const VectorQ variables =
+        built.unit.cwiseProduct(solution.status == optimal ? VectorQ(solution.y) : *least_violating);
     const VectorQ zeta = variables.head(built.zeta);
     move_to(space, space.change(zeta));
     if (const std::optional<TorqueSolution> found = choose())
