@@ -32,7 +32,7 @@ void send_all_kinds(Bench& bench)
       desired_state_t desired = bench.standing();
       desired.method = method;
       for (std::size_t i = 0; i < desired.a.size(); ++i)
-        desired.a[i] = round / 2 * std::sin(static_cast<double>(i) + method);
+        desired.a[i] = round * round * std::sin(static_cast<double>(i) + method);
       if (round % 5 == 1)
         desired.right_contact = desired_state_t::NONE;
       if (round % 5 == 2)
