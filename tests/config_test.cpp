@@ -322,6 +322,20 @@ TEST_CASE("weights that do not fit the robot are refused before it moves", "[con
   }
 }
 
+TEST_CASE("feet that shall carry more than the weight are refused where the motion would be moved for it", "[config]")
+{
+  const auto with = [](const std::string& infeasible, double f_min)
+  {
+    return read_config(fmt::format("infeasible = \"{}\"\n[constrained]\nf_min = {}\n", infeasible, f_min), "t.toml");
+  };
+  CHECK_NOTHROW(check_fits(with("nearest", 220.0), load_robot("ck"))); // of 441.45 N
+  CHECK_NOTHROW(check_fits(with("relax", 221.0), load_robot("ck")));
+  CHECK_THROWS_WITH(
+      check_fits(with("nearest", 221.0), load_robot("ck")),
+      "the configuration does not fit ck: f_min: the feet of ck shall carry 442 N at least, expected less "
+      "than its weight, 441.5 N: the nearest motion would have to accelerate upwards");
+}
+
 TEST_CASE("a margin that leaves nothing of a sole is refused; a robot without soles takes any", "[config]")
 {
   const auto with = [](double margin)

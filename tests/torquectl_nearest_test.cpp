@@ -272,6 +272,10 @@ TEST_CASE("torque-rate limits hold from one sample to the next", "[torquectl_nea
   REQUIRE(run({"nearest", asked, "--robot", slow, "--config", config, "-o", feasible}).code == 0);
   REQUIRE(run({"eval", asked, "--robot", slow, "--config", config, "-o", answers}).code == 0);
   CHECK(table(feasible).at("ddq1") == table(answers).at("a_q1"));
+  const auto answered = table(answers);
+  CHECK(flagged(answered, flag::over_rate | flag::over_torque | flag::clamped) == 0);
+  for (const std::string& residual : answered.at("dynamics_residual"))
+    CHECK(std::stod(residual) < 1e-9);
   REQUIRE(run({"nearest", asked, "--robot", slow, "-o", answers}).code == 0);
   CHECK(table(feasible).at("ddq1") != table(answers).at("ddq1"));
 }

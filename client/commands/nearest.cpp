@@ -244,8 +244,9 @@ Subcommand add_nearest(CLI::App& torquectl)
       "no foot slips, lifts or tips, loaded ones rest, and motors keep their limits: torqued-nearest(7). Positions,\n"
       "rates and contacts stay as they are, so that each row is what can be had in that posture at those rates. What\n"
       "can be had already stays as it is; rejected samples keep the accelerations that were asked for. Evaluated with\n"
-      "the same settings the motion is answered as it is. Further columns of the file are left out. The exit code is\n"
-      "65 if no sample was answered.\n\n"
+      "the same settings its accelerations stay, but for rounding; samples say ADJUSTED again where only a method's\n"
+      "reactions have to change. Further columns of the file are left out. The exit code is 65 if no sample was\n"
+      "answered.\n\n"
       "Example, in the source directory:\n"
       "  torquectl nearest client/trajectories/subject01-walk/walk.csv --contacts as-desired -o /tmp/feasible.csv");
   return {app, options, run_nearest};

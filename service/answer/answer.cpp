@@ -170,7 +170,7 @@ std::optional<Refusal> complete(const Sample& sample, const SupportEquations& eq
   return {};
 }
 
-// the same by the nearest motion that can be had
+// the nearest motion that can be had, completed
 std::optional<Refusal> answer_nearest(const Sample& sample, SupportEquations& equations, std::int32_t flags,
                                       Answer& answer)
 {

@@ -1,5 +1,7 @@
 #include "answer/settings.h"
 
+#include "methods/constrained.h"
+
 #include "robot/fnv.h"
 
 #include <array>
@@ -134,6 +136,18 @@ std::optional<std::string> complaint(AnswerSettings settings, const Robot& robot
   list(settings, check);
   if (check.complaint())
     return check.complaint();
+  if (settings.methods.infeasible == OnInfeasible::nearest)
+  {
+    const std::optional<double>& least = settings.methods.of<Constrained>().f_min;
+    double sum = 0.0;
+    for (const Foot& foot : robot.feet)
+      sum += foot.exists() && !robot.is_root(foot) ? least.value_or(foot.f_min) : 0.0;
+    if (sum >= robot.weight())
+      return fmt::format(
+          "f_min: the feet of {} shall carry {:.4g} N at least, expected less than its weight, {:.4g} N: "
+          "the nearest motion would have to accelerate upwards",
+          robot.name, sum, robot.weight());
+  }
   for (const Foot& foot : robot.feet)
     if (const double half = 0.5 * (foot.toe_x() - foot.heel_x());
         foot.exists() && foot.has_extent() && settings.nearest.margin >= half)

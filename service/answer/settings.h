@@ -40,7 +40,7 @@ void list(AnswerSettings& settings, SettingList& with);
 std::int64_t settings_id(AnswerSettings settings);
 
 /// What is wrong with the settings for a robot: one line, or nothing. Weights need a row and a column for each motor;
-/// the margin of the nearest motion leaves something of every sole.
+/// with the nearest motion a margin leaves something of every sole, and f_min of both feet is less than the weight.
 std::optional<std::string> complaint(AnswerSettings settings, const Robot& robot);
 
 } // namespace torqued

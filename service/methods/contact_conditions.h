@@ -63,11 +63,7 @@ private:
   std::size_t size_ = 0;
 };
 
-/// All conditions and windows of the feet in contact.
-ContactConditions contact_conditions(const Robot& robot, const SupportEquations& equations, const Support& support,
-                                     const ContactBounds& bounds);
-
-/// The same, one after the other, by
+/// All conditions and windows of the feet in contact, one after the other, by
 ///
 ///   add(side, bound, factor, is_window, form)    form(f_x, f_z, moment) ≤ bound, form linear; see ContactCondition
 template <typename Add>

@@ -90,6 +90,11 @@ bool keeps(const Robot& robot, const Support& support, const ReactionLimits& lim
   return true;
 }
 
+Refusal not_found()
+{
+  return Refusal(Reason::numerical, "the nearest motion was not found; the motion's numbers are too large");
+}
+
 // One desired state, the equations of the motion that it is moved to, and what that motion must keep.
 class Nearest
 {
@@ -402,6 +407,8 @@ Result<NearestMotion> Nearest::answer(const TorqueSolution& chosen, bool relaxed
   Result<NearestMotion> result(std::in_place_type<NearestMotion>, chosen, moved_);
   TorqueSolution& found = std::get<NearestMotion>(result).solution;
   found.relaxed |= relaxed;
+  if (!keeps(robot_, support_, limits_, found.w, found.torque, kNoLoad)) // accelerations of 10⁹ rad/s² and the like
+    return not_found();
   // what rounding left beyond the range
   for (int j = 0; j < found.torque.size(); ++j)
     found.torque(j) = std::clamp(found.torque(j), limits_.torques.least(j), limits_.torques.most(j));
@@ -429,10 +436,11 @@ Result<NearestMotion> Nearest::find()
 
   MotionSpace space(robot_, equations_, support_, all, error, settings_.metric);
   if (space.singular())
-    return Refusal(Reason::numerical,
-                   "a link of {} can move without mass or inertia, so that the nearest motion by "
-                   "metric = mass is not determined; metric = angles is",
-                   robot_.name);
+    return Refusal(
+        Reason::numerical,
+        "a link of {} can move without mass or inertia, so that M does not tell accelerations apart; expected "
+        "mass or inertia, or [nearest] metric = \"angles\"",
+        robot_.name);
   moved_ = VectorQ::Zero(robot_.mechanism.num_q());
   const bool contradictory = space.contradictory();
   move_to(space, space.least_change());
@@ -465,7 +473,7 @@ Result<NearestMotion> Nearest::find()
         solution = solve_semidefinite(built.program, *least_violating);
     }
     if (solution.status != optimal && !least_violating)
-      return Refusal(Reason::numerical, "the nearest motion was not found; the motion's numbers are too large");
+      return not_found();
 
     // where rounding has closed what was granted, the motion that violates least is answered, if not the nearest one
     const VectorQ variables =
@@ -484,7 +492,7 @@ Result<NearestMotion> Nearest::find()
       return answer(torques_of(Reactions(now, y), now.redundancy == 0 ? Method::none : method_), relaxed);
     }
   }
-  return Refusal(Reason::numerical, "the nearest motion was not found; the motion's numbers are too large");
+  return not_found();
 }
 
 } // namespace

@@ -30,7 +30,13 @@ Conditions conditions(const Robot& robot, const SupportEquations& equations, con
                       const Constrained& settings)
 {
   const int motors = robot.num_joints();
-  const ContactConditions contacts = contact_conditions(robot, equations, support, {settings.windows, settings.f_min});
+  ContactConditions contacts;
+  const Eigen::Matrix3d unit = Eigen::Matrix3d::Identity();
+  for_each_condition(
+      robot, equations, support, {settings.windows, settings.f_min},
+      [&](Side side, double bound, double factor, bool is_window, const auto& form) {
+        contacts.push_back({side, form(unit.col(0), unit.col(1), unit.col(2)), bound, factor, is_window});
+      });
   Conditions all{MatrixXd::Zero(contacts.size() + 2 * motors, motors + support.wrench_components()),
                  VectorXd::Zero(contacts.size() + 2 * motors)};
   int row = 0;
