@@ -31,17 +31,6 @@ MatrixQ mass_with_rotors(const Robot& robot, const Kinematics& now)
   return mass;
 }
 
-// the coordinates that turn a direction, and how much
-template <typename Function> void for_each_share(const Mechanism& mechanism, int direction, const Function& function)
-{
-  if (direction < mechanism.num_theta())
-    function(direction, 1.0);
-  else
-    for (const auto& [bar, coordinate, share] : mechanism.shares_of_bars())
-      if (bar == direction)
-        function(coordinate, share);
-}
-
 } // namespace
 
 MotionSpace::MotionSpace(const Robot& robot, const SupportEquations& equations, const Support& support,
@@ -112,12 +101,12 @@ void MotionSpace::fill_columns(const Robot& robot, const SupportEquations& equat
     const StandingFoot& standing = equations.standing[side];
     const auto add = [&](int direction, const Eigen::Vector2d& r)
     {
-      for_each_share(mechanism, direction,
-                     [&](int coordinate, double share)
-                     {
-                       columns_(coordinate, rows_) -= share * r.y();
-                       columns_(coordinate, rows_ + 1) += share * r.x();
-                     });
+      mechanism.for_each_share(direction,
+                               [&](int coordinate, double share)
+                               {
+                                 columns_(coordinate, rows_) -= share * r.y();
+                                 columns_(coordinate, rows_ + 1) += share * r.x();
+                               });
     };
     for (std::size_t i = 0; i < foot.ankle.size(); ++i)
       add(foot.ankle[i].direction, standing.arms.col(static_cast<int>(i)));
@@ -132,8 +121,8 @@ void MotionSpace::fill_columns(const Robot& robot, const SupportEquations& equat
     if (contact == Contact::sole)
     {
       const double length = std::max(foot.toe_x() - foot.heel_x(), kCoincident * robot.leg_length);
-      for_each_share(mechanism, foot.direction,
-                     [&](int coordinate, double share) { columns_(coordinate, rows_) += share * length; });
+      mechanism.for_each_share(foot.direction,
+                               [&](int coordinate, double share) { columns_(coordinate, rows_) += share * length; });
       error_[at + 2] = length * contact_error(row + 2);
       ++rows_;
     }

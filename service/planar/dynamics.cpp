@@ -85,25 +85,16 @@ void add_pair(const Mechanism& mechanism, int j, int k, double value, double tra
     matrix(k, j) += transposed;
     return;
   }
-  const auto for_each_share = [&](int direction, const auto& function)
-  {
-    if (direction < size)
-      function(direction, 1.0);
-    else
-      for (const auto& [bar, column, share] : mechanism.shares_of_bars())
-        if (bar == direction)
-          function(column, share);
-  };
-  for_each_share(j,
-                 [&](int row, double row_share)
-                 {
-                   for_each_share(k,
-                                  [&](int column, double column_share)
-                                  {
-                                    matrix(row, column) += row_share * column_share * value;
-                                    matrix(column, row) += row_share * column_share * transposed;
-                                  });
-                 });
+  mechanism.for_each_share(j,
+                           [&](int row, double row_share)
+                           {
+                             mechanism.for_each_share(k,
+                                                      [&](int column, double column_share)
+                                                      {
+                                                        matrix(row, column) += row_share * column_share * value;
+                                                        matrix(column, row) += row_share * column_share * transposed;
+                                                      });
+                           });
 }
 
 // Writes X W into the rows of the base point, column k of X being of_direction(k).

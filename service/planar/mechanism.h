@@ -139,6 +139,8 @@ public:
   const Bounded<kMaxDirections, kMaxCoordinates>& W() const { return W_; }
   /// W θ; `theta`: θ, or a vector that begins with it, as q, v and a do.
   VectorD of_directions(const VectorQ& theta) const;
+  /// Calls a function with each member of θ that turns a direction, and its share in W.
+  template <typename Function> void for_each_share(int direction, const Function& function) const;
   /// Adds Wᵀ x to the head of `theta`, x being 0 but at one direction.
   void add_from_direction(int direction, double x, VectorQ& theta) const;
   /// W below the unit matrix.
@@ -209,14 +211,19 @@ inline VectorD Mechanism::of_directions(const VectorQ& theta) const
   return x;
 }
 
-inline void Mechanism::add_from_direction(int direction, double x, VectorQ& theta) const
+template <typename Function> void Mechanism::for_each_share(int direction, const Function& function) const
 {
   if (direction < num_theta())
-    theta(direction) += x;
+    function(direction, 1.0);
   else
     for (const Entry& share : shares_of_bars_)
       if (share.row == direction)
-        theta(share.column) += share.value * x;
+        function(share.column, share.value);
+}
+
+inline void Mechanism::add_from_direction(int direction, double x, VectorQ& theta) const
+{
+  for_each_share(direction, [&](int member, double share) { theta(member) += share * x; });
 }
 
 } // namespace torqued
