@@ -16,16 +16,13 @@ struct ReactionLimits;
 /// The least torque by which feet neither lift, slip nor tip and motors stay within their limits:
 ///
 ///   minimise ½ τᵀ W τ + ½ k Σ_feet (L² |f − f_ref|² + (M − M_ref)²)   over the admissible reactions
-///   subject to, at each foot,  f_z ≥ f_min,  |f_x| ≤ μ f_z,
-///     on its sole              x_heel f_z' ≤ M − h_p f_x' ≤ x_toe f_z'          (') in the foot's frame
-///   and at each motor          |τ| ≤ its limit
+///   subject to, at each foot,   the conditions and windows of contact_conditions.h
+///   and at each motor           |τ| ≤ its limit
 ///
 /// τ includes what rotors and friction take. f_ref, M_ref: reactions of zmp_transition(); L: the leg length; k:
 /// `reference_weight`. Solved for the one to three numbers that (2) leaves free (quadratic_program.h). Where they need
 /// no torque, so that W does not tell them apart (both legs straight, parallel, and feet at one place), the smaller
 /// reactions are taken.
-///
-/// With constant bounds torques jump where contacts change; with `windows` they do not (contact_conditions.h).
 ///
 /// Where not all conditions can be met, windows give way first, then torque limits, then contacts: each by the least
 /// sum of squares of what is missing, forces over weight, moments over weight × sole length, torques over their limits;

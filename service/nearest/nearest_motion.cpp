@@ -1,7 +1,7 @@
 #include "nearest/nearest_motion.h"
 
 #include "methods/constrained.h"
-#include "nearest/motion_space.h"
+#include "nearest/motion_program.h"
 
 #include <algorithm>
 #include <cmath>
@@ -126,18 +126,6 @@ private:
   Result<NearestMotion> answer(const TorqueSolution& chosen, bool relaxed) const;
   TorqueRange narrowed(double room) const;
   ReactionLimits with_room() const;
-
-  // level 1
-  struct Program
-  {
-    QuadraticProgram program;
-    int zeta = 0; // so many of the variables are ζ; y follows
-    VectorQ unit; // of all variables
-    int contact_rows = 0;
-  };
-  Program program(const MotionSpace& space, const Eigen::Matrix3d& D, const AdmissibleReactions& all0,
-                  bool motors) const;
-  std::optional<VectorQ> relax(Program& built);
 
   const Robot& robot_;
   const Support& support_;
@@ -272,136 +260,6 @@ ReactionLimits Nearest::with_room() const
   return limits;
 }
 
-// Level 1: ½ |ζ|² over ζ and y. Without motors three of ζ are enough.
-Nearest::Program Nearest::program(const MotionSpace& space, const Eigen::Matrix3d& D, const AdmissibleReactions& all0,
-                                  bool motors) const
-{
-  Program built;
-  const int zeta = motors ? space.size() : std::min(3, space.size());
-  const int n = zeta + all0.redundancy, joints = robot_.num_joints();
-  built.zeta = zeta;
-  built.contact_rows = limits_.contacts.size();
-  Rows& rows = built.program.rows;
-  rows.A.setZero(built.contact_rows + (motors ? 2 * joints : 0), n);
-  rows.b.setOnes(rows.A.rows());
-
-  // w as a function of d, and d of ζ
-  std::array<AdmissibleReactions, 3> of_d;
-  for (int k = 0; k < 3; ++k)
-    of_d[static_cast<std::size_t>(k)] = admissible_reactions(robot_, equations_, support_, Eigen::Vector3d::Unit(k));
-  Eigen::Matrix<double, AdmissibleReactions::kMaxComponents, 3> w_d; // columns: of each of d
-  for (int c = 0; c < all0.components; ++c)
-    for (int k = 0; k < 3; ++k)
-      w_d(c, k) = of_d[static_cast<std::size_t>(k)].rows(c, 0);
-
-  int row = 0;
-  for (const ContactCondition& condition : limits_.contacts)
-  {
-    double of_w0 = 0.0;
-    Eigen::Vector3d by_d = Eigen::Vector3d::Zero();
-    for (int i = 0; i < wrench_components(support_.of(condition.side)); ++i)
-    {
-      const int c = support_.row(condition.side) + i;
-      const double factor = condition.factor * condition.c(i);
-      of_w0 += factor * all0.rows(c, 0);
-      by_d += factor * w_d.row(c).transpose();
-      for (int k = 0; k < all0.redundancy; ++k)
-        rows.A(row, zeta + k) += factor * all0.rows(c, 1 + k);
-    }
-    const Eigen::Vector3d by_zeta = D * by_d;
-    for (int k = 0; k < std::min(3, zeta); ++k)
-      rows.A(row, k) = by_zeta(k);
-    rows.b(row++) = condition.factor * condition.bound - of_w0;
-  }
-
-  if (motors)
-  {
-    // τ = B⁺ (r − Jᵀ w), and of each ζ what it changes of it
-    const ReactionTorques torques = reaction_torques(robot_, equations_, support_, all0);
-    const MatrixQ F = space.basis();
-    const TorqueRange range = narrowed(2.0 * kRoom);
-    SupportEquations change = equations_;
-    for (int k = 0; k < n; ++k)
-    {
-      VectorJ torque;
-      if (k < zeta)
-      {
-        change.r.noalias() = space.mass().lazyProduct(F.col(k));
-        WrenchVector w = WrenchVector::Zero(all0.components);
-        if (k < 3)
-          for (int c = 0; c < all0.components; ++c)
-            w(c) = w_d.row(c).dot(D.row(k));
-        torque = TorqueSolution(robot_, change, support_, Method::none, w).torque;
-      }
-      else
-        torque = torques.T.col(k - zeta).head(joints);
-      for (int j = 0; j < joints; ++j)
-      {
-        const double factor = torque_factor(robot_, j);
-        rows.A(row + j, k) = factor * torque(j);
-        rows.A(row + joints + j, k) = -factor * torque(j);
-      }
-    }
-    for (int j = 0; j < joints; ++j)
-    {
-      const double factor = torque_factor(robot_, j);
-      rows.b(row + j) = factor * (range.most(j) - torques.tau0(j));
-      rows.b(row + joints + j) = factor * (torques.tau0(j) - range.least(j));
-    }
-    // what is not bounded
-    for (int i = row; i < row + 2 * joints; ++i)
-      if (!std::isfinite(rows.b(i)))
-      {
-        rows.A.row(i).setZero();
-        rows.b(i) = 1.0;
-      }
-  }
-
-  // units in which entries are of order 1
-  built.unit = VectorQ::Constant(n, robot_.weight());
-  if (all0.redundancy == 3)
-    built.unit(n - 1) *= robot_.leg_length;
-  const double most = rows.A.leftCols(zeta).size() > 0 ? rows.A.leftCols(zeta).cwiseAbs().maxCoeff() : 0.0;
-  built.unit.head(zeta).setConstant(most > 0.0 ? 1.0 / most : 1.0);
-  for (int k = 0; k < n; ++k)
-    rows.A.col(k) *= built.unit(k);
-  built.program.H.setZero(n, n);
-  built.program.H.diagonal().head(zeta).setOnes();
-  built.program.g.setZero(n);
-  return built;
-}
-
-// The variables at which the contacts' conditions lack the least; grants them that, in the program and in the limits.
-// Nothing if it was not found.
-std::optional<VectorQ> Nearest::relax(Program& built)
-{
-  Rows& rows = built.program.rows;
-  Rows soft = rows;
-  for (int i = 0; i < built.contact_rows; ++i)
-    soft.soft.set(static_cast<std::size_t>(i));
-  // ζ has no part in what is sought: each may have units of its own, in which its entries are of order 1
-  VectorQ unit = VectorQ::Ones(built.program.g.size());
-  for (int k = 0; k < built.zeta; ++k)
-    if (const double most = rows.A.col(k).cwiseAbs().maxCoeff(); most > 0.0)
-    {
-      unit(k) = 1.0 / most;
-      soft.A.col(k) *= unit(k);
-    }
-  const QuadraticProgramSolution least =
-      least_violation(soft, BoundedVector<kMaxVariables>::Zero(built.program.g.size()));
-  if (least.status != QuadraticProgramStatus::optimal)
-    return {};
-  const VectorQ at_least = unit.cwiseProduct(least.y);
-  ContactCondition* condition = limits_.contacts.begin();
-  for (int i = 0; i < built.contact_rows; ++i, ++condition)
-  {
-    const double lacks = std::max(0.0, rows.A.row(i).dot(at_least) - rows.b(i)) + kRoom;
-    rows.b(i) += lacks;
-    condition->bound += lacks / condition->factor;
-  }
-  return at_least;
-}
-
 Result<NearestMotion> Nearest::answer(const TorqueSolution& chosen, bool relaxed) const
 {
   Result<NearestMotion> result(std::in_place_type<NearestMotion>, chosen, moved_);
@@ -458,7 +316,8 @@ Result<NearestMotion> Nearest::find()
       break;
     move_to(space, least);
     const AdmissibleReactions all0 = admissible_reactions(robot_, equations_, support_);
-    Program built = program(space, D, all0, motors);
+    const std::optional<TorqueRange> range = motors ? std::optional(narrowed(2.0 * kRoom)) : std::nullopt;
+    MotionProgram built(robot_, equations_, support_, all0, space, D, limits_.contacts, range);
     const BoundedVector<kMaxVariables> from = BoundedVector<kMaxVariables>::Zero(built.program.g.size());
     QuadraticProgramSolution solution = solve_semidefinite(built.program, from);
     if (solution.status == infeasible && bounded && !motors)
@@ -468,7 +327,7 @@ Result<NearestMotion> Nearest::find()
     if (solution.status == infeasible)
     {
       relaxed = true;
-      least_violating = relax(built);
+      least_violating = built.relax(limits_.contacts, kRoom);
       if (least_violating)
         solution = solve_semidefinite(built.program, *least_violating);
     }
