@@ -280,6 +280,28 @@ TEST_CASE("torque-rate limits hold from one sample to the next", "[torquectl_nea
   CHECK(table(feasible).at("ddq1") != table(answers).at("ddq1"));
 }
 
+TEST_CASE("a link without mass or inertia has a nearest motion by angles, and none by mass", "[torquectl_nearest]")
+{
+  const TemporaryFolder folder;
+  std::string toml(shipped_robot_toml("ck"));
+  const std::size_t foot = toml.find("name = \"right_foot\"");
+  for (const std::string key : {"\nmass = ", "\ninertia = "})
+  {
+    const std::size_t number = toml.find(key, foot) + key.size();
+    toml.replace(number, toml.find('\n', number) - number, "0.0");
+  }
+  const std::string light = folder.write("light.toml", toml), out = folder.file("out.csv");
+  const std::string asked = folder.write(
+      "asked.csv", text(load_robot("ck"), disturbed_walk(load_robot("ck"), folder), Coordinates::absolute));
+  const Run by_mass = run({"nearest", asked, "--robot", light, "-o", out});
+  CAPTURE(by_mass.out);
+  CHECK(by_mass.out.find("a link of ck can move without mass or inertia, so that M does not tell accelerations apart; "
+                         "expected mass or inertia, or [nearest] metric = \"angles\"") != std::string::npos);
+  const Run by_angles = run({"nearest", asked, "--robot", light, "--metric", "angles", "-o", out});
+  CHECK(by_angles.code == 0);
+  CHECK(by_angles.out.find(" 0 rejected\n") != std::string::npos);
+}
+
 TEST_CASE("settings of the nearest motion are those of the configuration, or of options", "[torquectl_nearest]")
 {
   const TemporaryFolder folder;
